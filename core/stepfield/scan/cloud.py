@@ -1,0 +1,102 @@
+"""What a reader hands over: the points of one file, in the file's own unit and axes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Numbers = NDArray[Any]
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """One coordinate of every point, kept as the file stores it so that nothing is rounded.
+
+    The coordinate is ``raw * scale + offset``. LAS integers stay integers and float32 stays
+    float32; arithmetic happens in float64 after the smallest raw value is subtracted.
+
+    Attributes
+    ----------
+    raw : ndarray of shape (N,)
+        Integers or floats; may be a strided view. All finite.
+    scale, offset : float
+        Of the file's unit until a :class:`~stepfield.scan.Scan` applies its unit factor.
+    """
+
+    raw: Numbers
+    scale: float = 1.0
+    offset: float = 0.0
+
+    def __len__(self) -> int:
+        return len(self.raw)
+
+    def values(self, part: slice | Numbers = slice(None)) -> Floats:
+        """Coordinates of the chosen points, float64."""
+        return self.raw[part] * np.float64(self.scale) + self.offset
+
+    def take(self, keep: Numbers) -> Axis:
+        """The coordinates of the points that ``keep`` (a mask or indices) chooses."""
+        return Axis(self.raw[keep], self.scale, self.offset)
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """The finite points of one file, with the attributes this program has a use for.
+
+    Attributes
+    ----------
+    axes : tuple of three Axis
+        x, y, z as the file names them, in the file's unit.
+    attributes : mapping
+        Any of ``rgb`` (N, 3) uint8, ``intensity`` (N,) and ``classification`` (N,) uint8.
+    unit : str or None
+        The unit the file declares (``m``, ``cm``, ``mm``, ``ft``, ``us-ft``), if it does.
+    crs : str or None
+        Well-known text (WKT) of the coordinate reference system, if the file carries one.
+    not_finite : int
+        Points dropped because a coordinate was NaN or infinite.
+    organised : bool
+        True for a depth-camera frame (a full image of points), whose up axis is rarely z.
+    warnings : tuple of str
+        What the reader noticed and the operator should know, one sentence each.
+    """
+
+    axes: tuple[Axis, Axis, Axis]
+    attributes: Mapping[str, Numbers] = field(default_factory=dict)
+    unit: str | None = None
+    crs: str | None = None
+    not_finite: int = 0
+    organised: bool = False
+    warnings: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.axes[0])
+
+
+#: Every format module offers ``read(path) -> Cloud``, raising ScanError in one sentence.
+Reader = Callable[[Path], Cloud]
+
+
+def finite_cloud(
+    coordinates: tuple[Numbers, Numbers, Numbers],
+    attributes: Mapping[str, Numbers] | None = None,
+    **facts: Any,
+) -> Cloud:
+    """Make a Cloud of float or integer columns, dropping and counting points that are not finite."""
+    attributes = dict(attributes or {})
+    keep = np.ones(len(coordinates[0]), bool)
+    for column in coordinates:
+        if column.dtype.kind == "f":
+            keep &= np.isfinite(column)
+    dropped = int(len(keep) - np.count_nonzero(keep))
+    if dropped:
+        coordinates = (coordinates[0][keep], coordinates[1][keep], coordinates[2][keep])
+        attributes = {name: values[keep] for name, values in attributes.items()}
+    x, y, z = (Axis(column) for column in coordinates)
+    return Cloud((x, y, z), attributes, not_finite=dropped, **facts)

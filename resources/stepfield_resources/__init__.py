@@ -1,0 +1,1 @@
+"""Data files that ship with Stepfield: JSON schemas of the files it writes."""
