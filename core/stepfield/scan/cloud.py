@@ -40,6 +40,32 @@ class Axis:
         """Coordinates of the chosen points, float64."""
         return self.raw[part] * np.float64(self.scale) + self.offset
 
+    def bounds(self) -> tuple[float, float]:
+        """Smallest and greatest coordinate; the points must be at least one."""
+        ends = np.array([self.raw.min(), self.raw.max()]).astype(np.float64) * self.scale + self.offset
+        return float(ends.min()), float(ends.max())
+
+    def span(self) -> float:
+        """Distance between the smallest and the greatest coordinate, exact for stored integers."""
+        return float((np.float64(self.raw.max()) - np.float64(self.raw.min())) * abs(self.scale))
+
+    def measure(self) -> Callable[[slice | Numbers], Floats]:
+        """Return a function of points giving their distances from the smallest coordinate of all.
+
+        The smallest raw value is subtracted before anything is scaled or rounded: for the stored
+        integers of a LAS file the result is the same wherever the file places its offset.
+        """
+        base = np.float64(self.raw.min() if self.scale > 0 else self.raw.max())
+
+        def distances(part: slice | Numbers) -> Floats:
+            return (self.raw[part].astype(np.float64) - base) * self.scale
+
+        return distances
+
+    def above_lowest(self) -> Floats:
+        """Distances of all points from the smallest coordinate."""
+        return self.measure()(slice(None))
+
     def take(self, keep: Numbers) -> Axis:
         """The coordinates of the points that ``keep`` (a mask or indices) chooses."""
         return Axis(self.raw[keep], self.scale, self.offset)

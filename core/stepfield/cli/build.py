@@ -1,0 +1,71 @@
+"""``stepfield build``: a scan or a project to a stack of height-maps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from stepfield.cli.report import Reporter
+from stepfield.errors import ParameterError
+from stepfield.parameters import Parameters
+from stepfield.pipeline import Pipeline, Reconstruction
+from stepfield.progress import part
+from stepfield.project import Project
+from stepfield.stack import Manifest, write_stack
+
+
+def build_stack(
+    scans: Sequence[Path],
+    project_file: Path | None,
+    output: Path,
+    given: dict[str, Any],
+    *,
+    overwrite: bool,
+    reporter: Reporter,
+) -> None:
+    """Build the stack and say what it holds."""
+    project, paths = _project(scans, project_file)
+    parameters = Parameters.checked(**(project.parameters.model_dump() | given))
+    with reporter.progress() as progress:
+        result = Pipeline().run(paths, parameters, project.moves, project.layers, part(progress, 0, 0.8))
+        manifest = write_stack(result, output, overwrite=overwrite, progress=part(progress, 0.8, 1))
+    for warning in (*_changed(project, result), *manifest.warnings):
+        reporter.warn(warning)
+    reporter.result({"folder": str(output)} | manifest.model_dump(mode="json"), _sentences(manifest, output))
+
+
+def _project(scans: Sequence[Path], project_file: Path | None) -> tuple[Project, Sequence[Path]]:
+    """Return the project to build and where its scans are; bare scans make a project of their own."""
+    if (project_file is None) == (not scans):
+        raise ParameterError("give either scans or --project FILE, not both and not neither")
+    if project_file is None:
+        return Project(), scans
+    project = Project.load(project_file)
+    return project, project.scan_paths(project_file)
+
+
+def _changed(project: Project, result: Reconstruction) -> list[str]:
+    """Say which scans are no longer those the project was made with."""
+    pairs = zip(project.scans, result.scan.files, strict=False)
+    return [
+        f"{file.name}: the scan has changed since the project was saved"
+        for stored, file in pairs
+        if stored.sha256 is not None and stored.sha256 != file.sha256
+    ]
+
+
+def _sentences(manifest: Manifest, output: Path) -> str:
+    parameters, grid = manifest.parameters, manifest.grid
+    lines = [
+        f"{len(manifest.layers)} layers, {sum(layer.pillars for layer in manifest.layers)} pillars "
+        f"of {grid.columns} x {grid.rows} compartments, {manifest.unassigned} unassigned",
+        f"cell size {grid.cell_size:g} m, tolerance {parameters.layer_tolerance:g} m, "
+        f"alpha {parameters.alpha:g} m, greatest height {manifest.max_height:.4g} m",
+        f"{manifest.seams} seams in {manifest.links} links",
+    ]
+    lines += [
+        f"  {layer.image}  {layer.name}: {layer.pillars} pillars, mean height {layer.height_mean or 0:.3g} m"
+        for layer in manifest.layers
+    ]
+    return "\n".join([*lines, f"written to {output}"])

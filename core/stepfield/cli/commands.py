@@ -1,0 +1,118 @@
+"""What the command can do. Heavy modules load inside each command, so that help answers at once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+import stepfield
+from stepfield.cli.options import with_parameters
+from stepfield.cli.report import Reporter
+
+application = typer.Typer(
+    help="Turn laser scans of rough, multi-level terrain into layered height-maps for robot simulators.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Scans = Annotated[
+    list[Path], typer.Argument(metavar="SCAN...", help="Files of one scan.", show_default=False)
+]
+MaybeScans = Annotated[
+    list[Path] | None, typer.Argument(metavar="[SCAN...]", help="Files of one scan.", show_default=False)
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of a failure.")]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"stepfield {stepfield.__version__}")
+        raise typer.Exit
+
+
+@application.callback()
+def stepfield_command(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """Hold what all commands share."""
+
+
+@application.command()
+@with_parameters
+def build(
+    scans: MaybeScans = None,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the stack.", show_default=False)
+    ] = ...,  # type: ignore[assignment]
+    project: Annotated[
+        Path | None, typer.Option("--project", metavar="FILE", help="Project file in place of scans.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an older stack.")] = False,
+    as_json: AsJson = False,
+    debug: Debug = False,
+    *,
+    given: dict[str, Any],
+) -> None:
+    """Build a stack of height-maps from a scan."""
+    from stepfield.cli.build import build_stack
+
+    build_stack(scans or [], project, output, given, overwrite=overwrite, reporter=Reporter(as_json))
+
+
+@application.command()
+@with_parameters
+def info(scans: Scans, as_json: AsJson = False, debug: Debug = False, *, given: dict[str, Any]) -> None:
+    """Say what a scan holds and which parameters suit it."""
+    from stepfield.cli.info import describe_scan
+
+    describe_scan(scans, given, Reporter(as_json))
+
+
+@application.command()
+def synth(
+    scene: Annotated[
+        str, typer.Argument(metavar="SCENE|FILE.json", help="Name of a scene or its description.")
+    ],
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", metavar="FILE", help="PLY, LAS ... by suffix.", show_default=False),
+    ],
+    points: Annotated[
+        int | None, typer.Option(metavar="N", help="Number of points.", show_default=False)
+    ] = None,
+    noise: Annotated[
+        float | None, typer.Option(metavar="M", help="Standard deviation in metres.", show_default=False)
+    ] = None,
+    seed: Annotated[int, typer.Option(metavar="N", help="Another number, another cloud.")] = 0,
+    scanner: Annotated[
+        bool, typer.Option("--scanner", help="See the scene as a laser scanner would.")
+    ] = False,
+    as_json: AsJson = False,
+    debug: Debug = False,
+) -> None:
+    """Make a synthetic scan whose true surfaces are known."""
+    from stepfield.cli.synth import write_scene
+
+    write_scene(scene, output, points, noise, seed, scanner=scanner, reporter=Reporter(as_json))
+
+
+@application.command()
+def check(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the stack.")],
+    scan: Annotated[
+        list[Path] | None,
+        typer.Option("--scan", metavar="SCAN", help="Compare with its scan.", show_default=False),
+    ] = None,
+    as_json: AsJson = False,
+    debug: Debug = False,
+) -> int:
+    """Check that a stack is whole and true."""
+    from stepfield.cli.check import check_folder
+
+    return check_folder(folder, scan or [], Reporter(as_json))

@@ -1,0 +1,52 @@
+"""Reading and writing files so that a failure is one sentence and never half a file."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from stepfield.errors import StepfieldError
+
+
+def reason(error: OSError) -> str:
+    """Say what the operating system said, without its numbers and paths."""
+    return (error.strerror or str(error)).lower()
+
+
+def read_json(path: Path, failure: type[StepfieldError], what: str) -> Any:
+    """Parse a JSON file, turning whatever goes wrong into ``failure``."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise failure(f"{path}: cannot read the {what} ({reason(error)})") from None
+    except (ValueError, RecursionError):
+        raise failure(f"{path}: damaged {what}, it is not JSON; restore a copy") from None
+
+
+def write_atomically(path: Path, content: bytes, failure: type[StepfieldError]) -> None:
+    """Replace ``path`` by ``content`` in one step, so that the old file stays whole until then."""
+    temporary: str | None = None
+    try:
+        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name[:80]}.", dir=path.parent)
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.chmod(temporary, 0o666 & ~_umask())
+        os.replace(temporary, path)
+    except OSError as error:
+        if temporary is not None:
+            with contextlib.suppress(OSError):
+                os.unlink(temporary)
+        raise failure(f"{path}: cannot write the file ({reason(error)}); choose another place") from None
+
+
+def _umask() -> int:
+    """Return the process's file mode mask, which can only be read by setting it."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

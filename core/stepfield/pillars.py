@@ -1,0 +1,114 @@
+"""Pillars (paper 5.1 and 5.3.2): each compartment's points, parted at vertical gaps, one pillar a part."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.compartments import Compartments
+
+Statistic = Literal["mean", "max", "median", "p90"]
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class StepField:
+    """All pillars over a grid, ordered by compartment and, within it, from the lowest up.
+
+    Elevations are metres above the scan's lowest point; the paper's height adds alpha (Eq. 1).
+
+    Attributes
+    ----------
+    compartments : Compartments
+        The sorted points the pillars are made of.
+    start : ndarray of shape (P + 1,), int64
+        Where each pillar's points begin among the sorted points; the last entry is N.
+    compartment : ndarray of shape (P,), int64
+        Number of the compartment each pillar stands in.
+    first : ndarray of shape (C + 1,), int64
+        Index of the first pillar of each occupied compartment; the last entry is P.
+    low, high : ndarray of shape (P,), float64
+        Lowest and highest point of each pillar.
+    elevation : ndarray of shape (P,), float64
+        The pillar's top by the chosen statistic, before alpha.
+    """
+
+    compartments: Compartments
+    start: Integers
+    compartment: Integers
+    first: Integers
+    low: Floats
+    high: Floats
+    elevation: Floats
+
+    def __len__(self) -> int:
+        return len(self.compartment)
+
+    @property
+    def points(self) -> Integers:
+        """Number of points in each pillar, shape (P,)."""
+        return np.diff(self.start)
+
+    @property
+    def rank(self) -> Integers:
+        """Place of each pillar in its compartment counted from the lowest, shape (P,)."""
+        return np.arange(len(self)) - np.repeat(self.first[:-1], np.diff(self.first))
+
+    def boxes(self, chosen: NDArray[np.int64]) -> Floats:
+        """Return x0, y0, x1, y1, z_low, z_high of pillars in scan coordinates, shape (n, 6), metres."""
+        squares = self.compartments.grid.squares(self.compartment[chosen])
+        spans = np.column_stack([self.low[chosen], self.high[chosen]]) + self.compartments.lowest
+        return np.hstack([squares, spans])
+
+
+def build_pillars(
+    compartments: Compartments, layer_tolerance: float, statistic: Statistic = "mean"
+) -> StepField:
+    """Part the points of each compartment where two elevations in a row differ by more than the tolerance.
+
+    Parameters
+    ----------
+    compartments : Compartments
+    layer_tolerance : float
+        Metres.
+    statistic : str
+        What the pillar's elevation is; the paper's is the mean.
+    """
+    ticks, tick = compartments.ticks, compartments.tick
+    # A gap of exactly the tolerance does not part; the tiny share forgives the rounding of tolerance / tick.
+    widest = layer_tolerance / tick * (1 + 1e-12)
+    gaps = ticks[1:] - ticks[:-1]  # wraps round between compartments, where it is overruled below
+    parted = np.empty(len(ticks) + 1, bool)
+    parted[1:-1] = gaps > min(widest, 2.0**32)
+    parted[compartments.start] = True
+    start = np.flatnonzero(parted)
+    first = np.searchsorted(start, compartments.start)
+    compartment = np.repeat(compartments.occupied, np.diff(first))
+    low = ticks[start[:-1]].astype(np.float64) * tick
+    high = ticks[start[1:] - 1].astype(np.float64) * tick
+    elevation = _elevations(ticks, start, statistic) * tick
+    for array in (start, compartment, first, low, high, elevation):
+        array.flags.writeable = False
+    return StepField(compartments, start, compartment, first, low, high, elevation)
+
+
+def _elevations(ticks: NDArray[np.uint32], start: Integers, statistic: Statistic) -> Floats:
+    """Elevation of each pillar in ticks, by statistic."""
+    if statistic == "mean":
+        sums = np.add.reduceat(ticks, start[:-1], dtype=np.uint64)
+        return sums / np.diff(start)
+    share = {"max": 1.0, "median": 0.5, "p90": 0.9}[statistic]
+    return _quantile(ticks, start, share)
+
+
+def _quantile(ticks: NDArray[np.uint32], start: Integers, share: float) -> Floats:
+    """Quantile of each pillar's sorted ticks, interpolated between the two nearest points."""
+    place = start[:-1] + share * (np.diff(start) - 1)
+    below = np.floor(place).astype(np.int64)
+    above = np.minimum(below + 1, start[1:] - 1)
+    weight = place - below
+    return ticks[below] * (1 - weight) + ticks[above] * weight

@@ -1,0 +1,118 @@
+"""Scans: every format of the field, in metres, z up, nothing rounded."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+from stepfield.errors import ScanError
+from stepfield.files import reason
+from stepfield.parameters import Parameters, Unit, Up
+from stepfield.progress import Progress, silent
+from stepfield.scan.cleaning import clean
+from stepfield.scan.cloud import Axis, Cloud, Reader
+from stepfield.scan.scan import Scan, SourceFile, joined
+
+__all__ = ["FORMATS", "Axis", "Cloud", "Scan", "SourceFile", "clean", "open_scan", "read_scan"]
+
+#: Which module of this package reads which suffix; modules load when they are needed.
+FORMATS = {
+    ".ply": "ply",
+    ".pcd": "pcd",
+    ".las": "las",
+    ".laz": "las",
+    ".e57": "e57",
+    ".ptx": "ptx",
+    ".xyz": "text",
+    ".txt": "text",
+    ".csv": "text",
+    ".asc": "text",
+    ".pts": "text",
+    ".npy": "npy",
+    ".npz": "npy",
+    ".obj": "mesh",
+    ".stl": "mesh",
+    ".off": "mesh",
+}
+
+
+def read_scan(
+    paths: Sequence[Path], unit: Unit | None = None, up: Up = "z", progress: Progress = silent
+) -> Scan:
+    """Read one scan from one or more files.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        Files of any of :data:`FORMATS`, all in the same coordinates.
+    unit : str, optional
+        Unit of the coordinates; by default what the files declare, else metres.
+    up : str
+        The files' axis that points up.
+    progress : Progress
+
+    Raises
+    ------
+    ScanError
+        In one sentence: which file, what is wrong, what to do.
+    """
+    if not paths:
+        raise ScanError("no scan was named; give at least one file")
+    clouds, files = [], []
+    for done, path in enumerate(paths):
+        progress(done / len(paths), f"reading {path.name}")
+        cloud, digest = _read(Path(path))
+        clouds.append(cloud)
+        files.append(SourceFile(path.name, digest, len(cloud)))
+    scan = joined(clouds, files, unit, up)
+    return replace(scan, warnings=scan.warnings + _advice(scan, unit))
+
+
+def open_scan(paths: Sequence[Path], parameters: Parameters, progress: Progress = silent) -> Scan:
+    """Read a scan and clean it as the parameters say."""
+    unit = None if parameters.unit == "auto" else parameters.unit
+    return clean(read_scan(paths, unit, parameters.up, progress), parameters, progress)
+
+
+def _read(path: Path) -> tuple[Cloud, str]:
+    """Read one file; its digest is taken by a second thread meanwhile."""
+    if path.suffix.lower() not in FORMATS:
+        known = " ".join(sorted(FORMATS))
+        raise ScanError(f"{path.name}: unknown kind of file; Stepfield reads {known}")
+    try:
+        if not path.is_file():
+            problem = "is a folder, not a scan" if path.is_dir() else "there is no such file"
+            raise ScanError(f"{path}: {problem}; check the name")
+        with ThreadPoolExecutor(1) as pool:
+            digest = pool.submit(_sha256, path)
+            cloud = _reader(path)(path)
+            return cloud, digest.result()
+    except OSError as error:
+        raise ScanError(f"{path}: cannot be read ({reason(error)}); check the file") from None
+    except MemoryError:
+        raise ScanError(f"{path.name}: too large for this machine's memory; crop or split it") from None
+
+
+def _reader(path: Path) -> Reader:
+    module = importlib.import_module(f"stepfield.scan.{FORMATS[path.suffix.lower()]}")
+    reader: Reader = module.read
+    return reader
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _advice(scan: Scan, unit: Unit | None) -> tuple[str, ...]:
+    """Say what the operator may want to confirm, because no file declares it reliably."""
+    if scan.organised and scan.up == "z":
+        return ("this looks like a depth-camera frame, whose y axis usually points down; try --up=-y",)
+    low, high = scan.bounds()
+    if unit is None and scan.unit == "m" and max(high - low) > 100_000:
+        return ("the scan is over 100 km wide in metres; if its unit is another, say so with --unit",)
+    return ()

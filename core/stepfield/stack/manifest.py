@@ -1,0 +1,223 @@
+"""manifest.json: what every image of a stack means, in metres. Its JSON schema ships in resources."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import AfterValidator, Field, ValidationError
+
+import stepfield
+from stepfield.errors import StackError
+from stepfield.files import read_json
+from stepfield.layers import UNASSIGNED
+from stepfield.parameters import Frozen, Parameters, Unit, Up
+from stepfield.pipeline import Layer, Reconstruction
+from stepfield.validation import explain
+
+VERSION: Literal[1] = 1
+FILE_NAME = "manifest.json"
+
+
+def _plain(name: str) -> str:
+    """Keep a manifest from pointing outside its own folder."""
+    if name != Path(name).name or name in {"", ".", ".."} or "\\" in name:
+        raise ValueError("a file name without folders is needed")
+    return name
+
+
+FileName = Annotated[str, AfterValidator(_plain)]
+Natural = Annotated[int, Field(ge=0)]
+Positive = Annotated[int, Field(ge=1)]
+Metres = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class SourceEntry(Frozen):
+    """A file of the scan."""
+
+    name: str
+    sha256: str
+    points: Natural
+
+
+class Source(Frozen):
+    """Where the points came from."""
+
+    files: tuple[SourceEntry, ...]
+    crs: str | None
+    unit: Unit
+    unit_factor: Metres
+    up: Up
+
+
+class GridEntry(Frozen):
+    """The grid of compartments; ``origin`` is its west and south edge."""
+
+    origin: tuple[Metres, Metres]
+    cell_size: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    columns: Positive
+    rows: Positive
+
+
+class ImageEntry(Frozen):
+    """The images' size; ``offset`` is the column and row of the grid's north-west compartment."""
+
+    width: Positive
+    height: Positive
+    bits: Literal[8, 16]
+    offset: tuple[Natural, Natural]
+
+
+class LayerEntry(Frozen):
+    """One layer: elevation = offset + scale * gray, within half a level."""
+
+    index: Natural
+    name: str
+    image: FileName
+    mask: FileName
+    pillars: Natural
+    height_min: Metres | None
+    height_max: Metres | None
+    height_mean: Metres | None
+    scale: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    offset: Metres
+
+
+class Manifest(Frozen):
+    """The whole of manifest.json; every length in metres, elevations in the scan's coordinates."""
+
+    format: Literal["stepfield-stack"] = "stepfield-stack"
+    version: Literal[1] = VERSION
+    generator: str
+    source: Source
+    parameters: Parameters
+    grid: GridEntry
+    base_elevation: Metres
+    max_height: Metres
+    image: ImageEntry
+    layers: tuple[LayerEntry, ...]
+    unassigned: Natural
+    moves: Natural
+    moves_unresolved: Natural
+    seams: Natural
+    links: Natural
+    rounds: Natural
+    converged: bool
+    warnings: tuple[str, ...]
+
+    @classmethod
+    def load(cls, folder: Path) -> Manifest:
+        """Read the manifest of a stack; raise StackError with one sentence if there is none to use."""
+        document = read_json(folder / FILE_NAME, StackError, "manifest of the stack")
+        if not isinstance(document, dict) or document.get("format") != "stepfield-stack":
+            raise StackError(f"{folder}: not a stack of Stepfield; name the folder that holds manifest.json")
+        version = document.get("version")
+        if isinstance(version, int) and version > VERSION:
+            raise StackError(
+                f"{folder}: made by a newer Stepfield (stack version {version}); update Stepfield"
+            )
+        try:
+            return cls.model_validate(document)
+        except ValidationError as error:
+            raise StackError(f"{folder}: damaged manifest, {explain(error)}; build the stack again") from None
+
+    def text(self) -> str:
+        """Return the manifest as it is written."""
+        return json.dumps(self.model_dump(mode="json"), ensure_ascii=False, indent=1, allow_nan=False) + "\n"
+
+
+def image_name(index: int) -> str:
+    """File name of a layer's image."""
+    return f"layer_{index:02d}.png"
+
+
+def mask_name(index: int) -> str:
+    """File name of a layer's mask."""
+    return f"layer_{index:02d}_mask.png"
+
+
+def describe(result: Reconstruction, lifted: int) -> Manifest:
+    """Make the manifest of a reconstruction; ``lifted`` pixels were too low for the bit depth."""
+    grid, frame, scan = result.field.compartments.grid, result.frame, result.scan
+    files = tuple(SourceEntry(name=f.name, sha256=f.sha256, points=f.points) for f in scan.files)
+    return Manifest(
+        generator=f"stepfield {stepfield.__version__}",
+        source=Source(files=files, crs=scan.crs, unit=scan.unit, unit_factor=scan.unit_factor, up=scan.up),
+        parameters=result.parameters,
+        grid=GridEntry(
+            origin=(grid.west, grid.south), cell_size=grid.cell_size, columns=grid.columns, rows=grid.rows
+        ),
+        base_elevation=result.base_elevation,
+        max_height=result.max_height,
+        image=ImageEntry(
+            width=frame.width,
+            height=frame.height,
+            bits=result.parameters.bits,
+            offset=(frame.column, frame.row),
+        ),
+        layers=tuple(_layer(layer, result) for layer in result.layers),
+        unassigned=result.layering.unassigned,
+        moves=len(result.outcomes),
+        moves_unresolved=sum(not outcome.resolved for outcome in result.outcomes),
+        seams=len(result.seams),
+        links=len(result.links),
+        rounds=result.automatic.rounds,
+        converged=result.automatic.converged,
+        warnings=warnings(result, lifted),
+    )
+
+
+def _layer(layer: Layer, result: Reconstruction) -> LayerEntry:
+    heights, scale = layer.heights, result.scale(layer)
+    extent: dict[str, Any] = dict.fromkeys(("height_min", "height_max", "height_mean"))
+    if len(heights):
+        extent = {
+            "height_min": float(heights.min()),
+            "height_max": float(heights.max()),
+            "height_mean": float(heights.mean()),
+        }
+    return LayerEntry(
+        index=layer.index,
+        name=layer.name,
+        image=image_name(layer.index),
+        mask=mask_name(layer.index),
+        pillars=len(heights),
+        scale=scale.step,
+        offset=result.base_elevation + scale.zero,
+        **extent,
+    )
+
+
+def _why_unassigned(result: Reconstruction) -> str:
+    few = int(np.count_nonzero(result.field.points < result.parameters.min_points))
+    crowded = int(np.count_nonzero(result.automatic.layer == UNASSIGNED) - few)
+    by_hand = result.layering.unassigned - few - crowded
+    reasons = {
+        f"fewer than {result.parameters.min_points} points": few,
+        f"more than {result.automatic.count} pillars in their compartment": crowded,
+        "moved there by hand": by_hand,
+    }
+    return ", ".join(f"{n} {why}" for why, n in reasons.items() if n > 0)
+
+
+def warnings(result: Reconstruction, lifted: int) -> tuple[str, ...]:
+    """Say in sentences what the operator should know about a result."""
+    found = list(result.scan.warnings)
+    found += [f"{n} points dropped: {reason}" for reason, n in result.scan.removed.items() if n]
+    if unassigned := result.layering.unassigned:
+        found.append(
+            f"{unassigned} of {len(result.field)} pillars are in no layer: {_why_unassigned(result)}"
+        )
+    if not result.automatic.converged:
+        found.append(f"the classification had not settled after {result.automatic.rounds} rounds")
+    for number, outcome in enumerate(result.outcomes, start=1):
+        if not outcome.resolved:
+            found.append(f"move {number} was not applied: {outcome.reason}")
+    if lifted:
+        found.append(
+            f"{lifted} pixels were too low for {result.parameters.bits} bits and became gray 1; "
+            f"raise alpha or use 16 bits"
+        )
+    return tuple(found)

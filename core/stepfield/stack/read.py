@@ -1,0 +1,81 @@
+"""Reading a stack back: gray levels to elevations, and whether the folder is whole and true."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, UnidentifiedImageError
+
+from stepfield.errors import StackError
+from stepfield.grid import Grid
+from stepfield.stack.manifest import LayerEntry, Manifest
+
+
+@dataclass(frozen=True)
+class Stack:
+    """A stack on disk; its layers are read when asked for.
+
+    Attributes
+    ----------
+    folder : Path
+    manifest : Manifest
+    """
+
+    folder: Path
+    manifest: Manifest
+
+    @classmethod
+    def open(cls, folder: Path) -> Stack:
+        """Open the stack in ``folder``, raising StackError in one sentence if there is none."""
+        return cls(folder, Manifest.load(folder))
+
+    @property
+    def grid(self) -> Grid:
+        """The grid of compartments."""
+        entry = self.manifest.grid
+        return Grid(*entry.origin, entry.cell_size, entry.columns, entry.rows)
+
+    def gray(self, layer: LayerEntry) -> NDArray[np.uint8] | NDArray[np.uint16]:
+        """Gray levels of a layer's image, padding included, shape (height, width)."""
+        image = self._pixels(layer.image)
+        wanted = np.uint8 if self.manifest.image.bits == 8 else np.uint16
+        if image.dtype != wanted:
+            raise StackError(
+                f"{self.folder / layer.image}: has {8 * image.itemsize} bits a pixel where the manifest says "
+                f"{self.manifest.image.bits}; build the stack again"
+            )
+        return image
+
+    def mask(self, layer: LayerEntry) -> NDArray[np.bool_]:
+        """Occupied pixels of a layer, padding included, shape (height, width)."""
+        mask: NDArray[np.bool_] = self._pixels(layer.mask) > 0
+        return mask
+
+    def elevations(self, layer: LayerEntry) -> NDArray[np.float64]:
+        """Elevations of a layer over the grid in scan coordinates, shape (rows, columns), NaN in holes."""
+        column, row = self.manifest.image.offset
+        inside = np.s_[row : row + self.manifest.grid.rows, column : column + self.manifest.grid.columns]
+        gray, mask = self.gray(layer)[inside], self.mask(layer)[inside]
+        return np.where(mask, layer.offset + layer.scale * gray, np.nan)
+
+    def _pixels(self, name: str) -> NDArray[np.uint8] | NDArray[np.uint16]:
+        """Read an image, checking its size before it is decoded so that none is absurd."""
+        path, size = self.folder / name, (self.manifest.image.width, self.manifest.image.height)
+        try:
+            with Image.open(path) as image:
+                if image.size != size:
+                    found = f"{image.size[0]} x {image.size[1]}"
+                    raise StackError(
+                        f"{path}: is {found} pixels where the manifest says {size[0]} x {size[1]}; "
+                        f"build the stack again"
+                    )
+                if image.mode not in {"L", "I;16"}:
+                    raise StackError(f"{path}: is not a gray image; build the stack again")
+                return np.asarray(image)
+        except FileNotFoundError:
+            raise StackError(f"{path}: the image is missing; build the stack again") from None
+        except (OSError, UnidentifiedImageError, ValueError, SyntaxError, Image.DecompressionBombError):
+            raise StackError(f"{path}: the image is damaged; build the stack again") from None

@@ -1,0 +1,66 @@
+"""Writing a stack: one image and one mask a layer, and the manifest, all or nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from stepfield.pipeline import Reconstruction
+from stepfield.progress import Progress, silent
+from stepfield.stack.folder import new_folder
+from stepfield.stack.manifest import FILE_NAME, Manifest, describe, image_name, mask_name
+
+
+def write_stack(
+    result: Reconstruction, folder: Path, *, overwrite: bool = False, progress: Progress = silent
+) -> Manifest:
+    """Write a reconstruction as a stack of height-maps.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    folder : Path
+        Missing or empty, or with ``overwrite`` a stack to replace.
+    overwrite : bool
+    progress : Progress
+
+    Returns
+    -------
+    Manifest
+        As written.
+
+    Raises
+    ------
+    StackError
+        In one sentence; the folder is then as it was.
+    """
+    lifted = 0
+    with new_folder(folder, is_stack if overwrite else None) as new:
+        for layer in result.layers:
+            progress(layer.index / len(result.layers), f"writing {layer.name}")
+            image = result.height_map(layer)
+            lifted += image.lifted
+            save_gray(new / image_name(layer.index), image.gray)
+            save_gray(new / mask_name(layer.index), image.mask.astype(np.uint8) * np.uint8(255))
+        manifest = describe(result, lifted)
+        (new / FILE_NAME).write_text(manifest.text(), encoding="utf-8")
+    progress(1.0, "done")
+    return manifest
+
+
+def save_gray(path: Path, pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> None:
+    """Write an 8- or 16-bit gray PNG, the same bytes for the same pixels."""
+    Image.fromarray(pixels).save(path, format="PNG")
+
+
+def is_stack(folder: Path) -> bool:
+    """Whether a folder holds a stack, so that replacing it loses nothing else."""
+    return (folder / FILE_NAME).is_file() and '"stepfield-stack"' in _head(folder / FILE_NAME)
+
+
+def _head(path: Path) -> str:
+    with path.open(encoding="utf-8", errors="replace") as file:
+        return file.read(200)
