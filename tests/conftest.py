@@ -1,0 +1,44 @@
+"""What all tests share: small scans with known answers, and the real ones where they are present."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+from stepfield.scan import Axis, Scan
+
+REPOSITORY = Path(__file__).parents[1]
+SCANS = Path(os.environ.get("STEPFIELD_SCANS", REPOSITORY.parent / "shared" / "scans"))
+
+
+def scan_of(points: ArrayLike) -> Scan:
+    """Make a scan of an (N, 3) array, metres."""
+    array = np.asarray(points, np.float64).reshape(-1, 3)
+    x, y, z = (Axis(array[:, i]) for i in range(3))
+    return Scan(x, y, z)
+
+
+@pytest.fixture(scope="session")
+def real_scan() -> Callable[[str], Path]:
+    """Find a real scan by name, skipping the test where the scans are absent."""
+
+    def find(name: str) -> Path:
+        path = SCANS / name
+        if not path.exists():
+            pytest.skip(f"{path} is absent; set STEPFIELD_SCANS to the folder of real scans")
+        return path
+
+    return find
+
+
+@pytest.fixture(autouse=True)
+def no_stray_log_lines(caplog: pytest.LogCaptureFixture) -> Iterator[None]:
+    """Fail a test that leaves warnings or errors in the log: nobody would read them."""
+    yield
+    stray = [record.getMessage() for record in caplog.get_records("call") if record.levelno >= 30]
+    assert not stray, f"unexpected log lines: {stray}"
