@@ -1,8 +1,9 @@
 """First values for cell size, tolerance and alpha, picked from the scan itself.
 
-Cell size: the scan's plan is measured in small squares; the typical density of the occupied ones says how
-large a compartment must be to hold about ``POINTS_A_COMPARTMENT`` points. Rounded to 1, 2, 3 or 5 times a
-power of ten and kept so that the longer side has between ``FEWEST_ALONG`` and ``MOST_ALONG`` compartments.
+Cell size: the points are counted in small squares, then in squares twice, four times ... as wide. The size
+at which an occupied square typically holds ``POINTS_A_COMPARTMENT`` points is rounded to 1, 2, 3 or 5 times
+a power of ten, and kept so that the longer side has ``FEWEST_ALONG`` to ``MOST_ALONG`` compartments. The
+median over squares, not over points, counts: the floor near the scanner must not decide for the room.
 
 Tolerance: three cell sizes, for a surface as steep as a stair stays one pillar and a table stays apart from
 the floor; at most an eighth of the usual elevation range, so that storeys of a wide, coarse tile still part.
@@ -17,36 +18,32 @@ from numpy.typing import NDArray
 
 from stepfield.scan import Scan
 
-POINTS_A_COMPARTMENT = 10
+POINTS_A_COMPARTMENT = 8
 FEWEST_ALONG, MOST_ALONG = 32, 1024
 TOLERANCE_IN_CELLS = 3.0
 TOLERANCE_IN_RANGES = 1 / 8
-#: Shares of the points between which the usual elevations lie: a stray bird must not widen them.
+#: Shares of the points between which the usual places lie: a stray bird must not widen them.
 USUAL = (0.005, 0.995)
-#: Points looked at: more would not change a value rounded so coarsely.
-SAMPLE = 2_000_000
-SQUARES_ALONG = 256
+#: Points looked at to learn what is usual.
+SAMPLE = 1_000_000
 
 
 def cell_size(scan: Scan) -> float:
     """Side of a compartment, metres, that suits the density of the scan."""
-    part = _sample(scan)
-    east, north = scan.x.measure()(part), scan.y.measure()(part)
-    longest = _usual_length(east, north)
-    if longest == 0:
+    east, north = (axis.above_lowest() for axis in (scan.x, scan.y))
+    (west, east_end), (south, north_end) = (_usual(side) for side in (east, north))
+    longest = max(east_end - west, north_end - south)
+    if longest <= 0:
         return 1.0
-    square = longest / SQUARES_ALONG
-    held = _held(east, north, square)
-    density = np.median(np.repeat(held, held)) * (len(scan) / len(east)) / square**2
-    side = math.sqrt(POINTS_A_COMPARTMENT / density)
-    return rounded(min(max(side, longest / MOST_ALONG), longest / FEWEST_ALONG))
+    square = longest / MOST_ALONG
+    counts = _counts((east - west) / square, (north - south) / square)
+    return rounded(min(_side_holding(POINTS_A_COMPARTMENT, counts) * square, longest / FEWEST_ALONG))
 
 
 def layer_tolerance(scan: Scan, cell: float) -> float:
     """Vertical gap, metres, that parts two pillars."""
-    usual = np.quantile(scan.z.measure()(_sample(scan)), USUAL)
-    reach = float(usual[1] - usual[0]) * TOLERANCE_IN_RANGES
-    wished = TOLERANCE_IN_CELLS * cell
+    low, high = _usual(scan.z.above_lowest())
+    wished, reach = TOLERANCE_IN_CELLS * cell, (high - low) * TOLERANCE_IN_RANGES
     return rounded(min(wished, reach) if reach > 0 else wished)
 
 
@@ -62,17 +59,30 @@ def rounded(value: float) -> float:
     return float(f"{nearest * power:.6g}")
 
 
-def _sample(scan: Scan) -> slice:
-    return slice(None, None, max(1, len(scan) // SAMPLE))
+def _usual(values: NDArray[np.float64]) -> tuple[float, float]:
+    """Ends of where the values usually lie, or of all where that is a single place."""
+    low, high = np.quantile(values[:: max(1, len(values) // SAMPLE)], USUAL)
+    return (float(low), float(high)) if high > low else (0.0, float(values.max()))
 
 
-def _usual_length(east: NDArray[np.float64], north: NDArray[np.float64]) -> float:
-    """Longer side of the plan without the last half per cent of points at each end."""
-    sides = [np.subtract(*np.quantile(side, USUAL[::-1])) for side in (east, north)]
-    return float(max(sides)) or float(max(east.max(), north.max()))
+def _counts(column: NDArray[np.float64], row: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Points in each of MOST_ALONG x MOST_ALONG squares; those outside count for none."""
+    inside = (column >= 0) & (row >= 0) & (column < MOST_ALONG) & (row < MOST_ALONG)
+    square = row[inside].astype(np.int64) * MOST_ALONG + column[inside].astype(np.int64)
+    return np.bincount(square, minlength=MOST_ALONG**2).reshape(MOST_ALONG, MOST_ALONG)
 
 
-def _held(east: NDArray[np.float64], north: NDArray[np.float64], square: float) -> NDArray[np.int64]:
-    """Points in each occupied square of the plan."""
-    column, row = (np.floor(side / square).astype(np.int64) for side in (east, north))
-    return np.unique(row * (column.max() + 1) + column, return_counts=True)[1]
+def _side_holding(points: float, counts: NDArray[np.int64]) -> float:
+    """Side, in squares, at which an occupied square typically holds that many points; at least 1."""
+    side, held_before = 1.0, 0.0
+    while True:
+        held = float(np.median(counts[counts > 0]))
+        if held >= points or len(counts) == 1:
+            break
+        side, held_before = side * 2, held
+        counts = counts[::2] + counts[1::2]
+        counts = counts[:, ::2] + counts[:, 1::2]
+    if not 0 < held_before < held:
+        return side
+    # Between the last two sizes the count grows like a power of the side.
+    return side * 2.0 ** -(math.log(max(held / points, 1)) / math.log(held / held_before))
