@@ -13,7 +13,11 @@ from numpy.typing import NDArray
 from stepfield.layers import Layering
 from stepfield.pillars import StepField
 
+Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+
+#: Stands for the compartment beyond the edge of the grid.
+_NOWHERE = -1
 
 
 def link(field: StepField, taking_part: NDArray[np.bool_], link_step: float) -> Integers:
@@ -32,23 +36,13 @@ def link(field: StepField, taking_part: NDArray[np.bool_], link_step: float) -> 
         Pillar indices: west and east, then north and south.
     """
     chosen = np.flatnonzero(taking_part)
-    compartment = field.compartment[chosen]
+    compartment, elevation = field.compartment[chosen], field.elevation[chosen]
     grid = field.compartments.grid
     _, column = grid.row_column(compartment)
-    east = np.where(column < grid.columns - 1, compartment + 1, -1)
-    south = np.where(compartment < len(grid) - grid.columns, compartment + grid.columns, -1)
-    west = np.where(column > 0, compartment - 1, -1)
-    north = compartment - grid.columns
-    elevation = field.elevation[chosen]
-    pairs = []
-    for there, back in ((east, west), (south, north)):
-        to = _nearest(compartment, elevation, there)
-        fro = _nearest(compartment, elevation, back)
-        ahead = np.flatnonzero(to >= 0)
-        mutual = ahead[fro[to[ahead]] == ahead]
-        close = mutual[np.abs(elevation[mutual] - elevation[to[mutual]]) <= link_step * (1 + 1e-12)]
-        pairs.append(np.column_stack([chosen[close], chosen[to[close]]]))
-    return np.vstack(pairs)
+    east = np.where(column < grid.columns - 1, compartment + 1, _NOWHERE)
+    south = np.where(compartment < len(grid) - grid.columns, compartment + grid.columns, _NOWHERE)
+    pairs = [_mutual(compartment, elevation, there, link_step) for there in (east, south)]
+    return chosen[np.vstack(pairs)]
 
 
 def seams(links: Integers, layering: Layering) -> Integers:
@@ -58,22 +52,37 @@ def seams(links: Integers, layering: Layering) -> Integers:
     return cut
 
 
-def _nearest(compartment: Integers, elevation: NDArray[np.float64], neighbour: Integers) -> Integers:
+def _mutual(compartment: Integers, elevation: Floats, neighbour: Integers, link_step: float) -> Integers:
+    """Pairs of a pillar and one of its neighbouring compartment that are each other's nearest.
+
+    Pillars are ordered by compartment and elevation, so one search finds a pillar's two candidates; and it
+    is the nearest of its partner exactly if neither the pillar below nor the one above it is nearer.
+    """
+    partner = _nearest(compartment, elevation, neighbour)
+    seeker = np.flatnonzero(partner >= 0)
+    found = partner[seeker]
+    distance = np.abs(elevation[seeker] - elevation[found])
+    close = distance <= link_step * (1 + 1e-12)
+    seeker, found, distance = seeker[close], found[close], distance[close]
+    last = len(compartment) - 1
+    below, above = np.maximum(seeker - 1, 0), np.minimum(seeker + 1, last)
+    rival_below = (below < seeker) & (compartment[below] == compartment[seeker])
+    rival_above = (above > seeker) & (compartment[above] == compartment[seeker])
+    nearest = ~(rival_below & (np.abs(elevation[below] - elevation[found]) <= distance))  # ties to the lower
+    nearest &= ~(rival_above & (np.abs(elevation[above] - elevation[found]) < distance))
+    return np.column_stack([seeker[nearest], found[nearest]])
+
+
+def _nearest(compartment: Integers, elevation: Floats, neighbour: Integers) -> Integers:
     """Index of the pillar of ``neighbour`` nearest in elevation, ties to the lower; -1 for none."""
-    first = np.searchsorted(compartment, neighbour)
-    last = np.searchsorted(compartment, neighbour, side="right")
-    nearest = np.where(first < last, first, -1)
-    seeker = np.flatnonzero(first < last)
-    least = np.abs(elevation[seeker] - elevation[first[seeker]])
-    step = 1
-    while True:
-        further = first[seeker] + step < last[seeker]
-        seeker, least = seeker[further], least[further]
-        if not len(seeker):
-            return nearest
-        candidate = first[seeker] + step
-        distance = np.abs(elevation[seeker] - elevation[candidate])
-        closer = distance < least
-        nearest[seeker[closer]] = candidate[closer]
-        least = np.minimum(least, distance)
-        step += 1
+    if not len(compartment):
+        return compartment
+    # Whole steps of 2^-31 of the range: pillars of a compartment are further apart than that.
+    steps = (elevation * ((2**31 - 1) / max(float(elevation.max()), 1e-30))).astype(np.int64)
+    above = np.searchsorted(compartment << 32 | steps, neighbour << 32 | steps)
+    below = above - 1
+    above = np.minimum(above, len(compartment) - 1)
+    fits_below = (compartment[below] == neighbour) & (below >= 0)
+    fits_above = compartment[above] == neighbour
+    nearer_above = np.abs(elevation[above] - elevation) < np.abs(elevation[below] - elevation)
+    return np.select([fits_above & (nearer_above | ~fits_below), fits_below], [above, below], -1)

