@@ -17,12 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.grid import Grid
+from stepfield.parts import Parts, learnt_threshold, part
 from stepfield.progress import Progress, silent
+from stepfield.progress import part as share
 from stepfield.scan import Axis, Scan
+from stepfield.scan.cloud import CHUNK
 
-#: Points handled at once by one thread: small enough for the processor's cache.
-CHUNK = 1 << 18
 TICK_BITS = 32
+#: Points one thread takes at a time, in chunks that fit its cache.
+BATCH = 16 * CHUNK
+WORKERS = min(os.cpu_count() or 1, 8)
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,8 @@ class Compartments:
         Numbers of the compartments that hold points, ascending.
     start : ndarray of shape (C + 1,), int64
         Where each occupied compartment's points begin in ``ticks``; the last entry is N.
+    parts : Parts
+        The points of each compartment parted at all but the finest gaps.
     """
 
     grid: Grid
@@ -50,6 +56,14 @@ class Compartments:
     ticks: NDArray[np.uint32]
     occupied: NDArray[np.int64]
     start: NDArray[np.int64]
+    parts: Parts
+
+    def parts_for(self, gap: float) -> Parts:
+        """Parts fine enough to find every gap wider than ``gap`` ticks."""
+        if gap >= self.parts.finest:
+            return self.parts
+        with ThreadPoolExecutor(WORKERS) as pool:
+            return part(self.ticks, self.start, int(gap), pool)
 
 
 def sort_into_compartments(scan: Scan, cell_size: float, progress: Progress = silent) -> Compartments:
@@ -68,17 +82,19 @@ def sort_into_compartments(scan: Scan, cell_size: float, progress: Progress = si
     GridError
         When the cell size makes an absurd number of compartments.
     """
-    grid = grid_under(scan, cell_size)
-    progress(0.0, "sorting points into compartments")
-    tick = tick_of(scan.z)
-    keys = _keys(scan, grid, tick, progress)
-    progress(0.5, "sorting points into compartments")
-    keys.sort()
-    ticks = keys.astype(np.uint32)
-    occupied, start = _runs(keys)
+    with ThreadPoolExecutor(WORKERS) as pool:
+        list(pool.map(Axis.span, scan.axes))  # remembered by the axes
+        grid, tick = grid_under(scan, cell_size), tick_of(scan.z)
+        keys = _keys(scan, grid, tick, pool, share(progress, 0, 0.5))
+        _sort(keys, pool, share(progress, 0.5, 0.9))
+        ticks, first = _unpacked(keys, pool)
+        start = np.append(first, len(keys))
+        occupied = (keys[first] >> np.uint64(TICK_BITS)).astype(np.int64)
+        del keys
+        parts = part(ticks, start, learnt_threshold(ticks, start), pool)
     for array in (ticks, occupied, start):
         array.flags.writeable = False
-    return Compartments(grid, scan.z.bounds()[0], tick, ticks, occupied, start)
+    return Compartments(grid, scan.z.bounds()[0], tick, ticks, occupied, start, parts)
 
 
 def grid_under(scan: Scan, cell_size: float) -> Grid:
@@ -94,26 +110,55 @@ def tick_of(z: Axis) -> float:
     return 2.0 ** (math.frexp(max(z.span(), 1e-30))[1] - TICK_BITS + 1)
 
 
-def _keys(scan: Scan, grid: Grid, tick: float, progress: Progress) -> NDArray[np.uint64]:
+def _keys(
+    scan: Scan, grid: Grid, tick: float, pool: ThreadPoolExecutor, progress: Progress
+) -> NDArray[np.uint64]:
     """Pack each point's compartment (high bits) and elevation in ticks (low bits) into one key."""
     keys = np.empty(len(scan), np.uint64)
-    east, north, up = scan.x.measure(), scan.y.measure(), scan.z.measure()
+    east, north, up = (axis.measure() for axis in scan.axes)
 
     def fill(first: int) -> int:
-        part = slice(first, first + CHUNK)
-        compartment = grid.compartment(east(part), north(part)).astype(np.uint64)
-        keys[part] = compartment << np.uint64(TICK_BITS) | np.rint(up(part) / tick).astype(np.uint64)
+        for at in range(first, min(first + BATCH, len(keys)), CHUNK):
+            chunk = slice(at, at + CHUNK)
+            key = grid.compartment(east(chunk), north(chunk)).astype(np.uint64)
+            key <<= np.uint64(TICK_BITS)
+            elevation = up(chunk)
+            elevation /= tick
+            np.rint(elevation, out=elevation)
+            key |= elevation.astype(np.uint64)
+            keys[chunk] = key
         return first
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for first in pool.map(fill, range(0, len(keys), CHUNK)):
-            progress(0.5 * first / len(keys), "sorting points into compartments")
+    for first in pool.map(fill, range(0, len(keys), BATCH)):
+        progress(first / len(keys), "sorting points into compartments")
     return keys
 
 
-def _runs(keys: NDArray[np.uint64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Occupied compartments and where each one's run of sorted keys begins."""
-    compartment = (keys >> np.uint64(TICK_BITS)).astype(np.uint32)
-    first = np.flatnonzero(compartment[1:] != compartment[:-1]) + 1
-    start = np.concatenate([[0], first, [len(keys)]]).astype(np.int64)
-    return compartment[start[:-1]].astype(np.int64), start
+def _sort(keys: NDArray[np.uint64], pool: ThreadPoolExecutor, progress: Progress) -> None:
+    """Sort in place with all cores: halves that do not overlap can be sorted side by side."""
+    progress(0.0, "sorting points into compartments")
+    cuts = [len(keys) * i // WORKERS for i in range(WORKERS + 1)]
+    if len(keys) > BATCH:
+        keys.partition(cuts[1:-1])
+        list(pool.map(lambda low, high: keys[low:high].sort(), cuts[:-1], cuts[1:]))
+    else:
+        keys.sort()
+    progress(1.0, "sorting points into compartments")
+
+
+def _unpacked(
+    keys: NDArray[np.uint64], pool: ThreadPoolExecutor
+) -> tuple[NDArray[np.uint32], NDArray[np.int64]]:
+    """Elevations of sorted keys, and where each compartment's run begins."""
+    ticks = np.empty(len(keys), np.uint32)
+
+    def unpack(first: int) -> NDArray[np.int64]:
+        found = []
+        for at in range(first, min(first + BATCH, len(keys)), CHUNK):
+            ticks[at : at + CHUNK] = keys[at : at + CHUNK]
+            compartment = (keys[max(at - 1, 0) : at + CHUNK] >> np.uint64(TICK_BITS)).astype(np.uint32)
+            found.append(np.flatnonzero(compartment[1:] != compartment[:-1]) + max(at, 1))
+        return np.concatenate(found)
+
+    starts = list(pool.map(unpack, range(0, len(keys), BATCH)))
+    return ticks, np.concatenate([[0], *starts]).astype(np.int64)

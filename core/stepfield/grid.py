@@ -68,7 +68,9 @@ class Grid:
         return row * self.columns + column
 
     def _step(self, distance: NDArray[np.float64], count: int) -> NDArray[np.int64]:
-        return np.clip(np.floor(distance / self.cell_size), 0, count - 1).astype(np.int64)
+        steps = distance / self.cell_size
+        np.clip(steps, 0, count - 1, out=steps)
+        return steps.astype(np.int64)  # the floor, as nothing is negative
 
     def row_column(self, compartment: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
         """Row and column of compartment numbers."""

@@ -80,29 +80,21 @@ def build_pillars(
     """
     ticks, tick = compartments.ticks, compartments.tick
     # A gap of exactly the tolerance does not part; the tiny share forgives the rounding of tolerance / tick.
-    widest = layer_tolerance / tick * (1 + 1e-12)
-    gaps = ticks[1:] - ticks[:-1]  # wraps round between compartments, where it is overruled below
-    parted = np.empty(len(ticks) + 1, bool)
-    parted[1:-1] = gaps > min(widest, 2.0**32)
-    parted[compartments.start] = True
-    start = np.flatnonzero(parted)
+    widest = min(layer_tolerance / tick * (1 + 1e-12), 2.0**32)
+    parts = compartments.parts_for(widest)
+    chosen = parts.wider_than(widest)
+    start = np.append(parts.start[chosen], len(ticks))
     first = np.searchsorted(start, compartments.start)
     compartment = np.repeat(compartments.occupied, np.diff(first))
     low = ticks[start[:-1]].astype(np.float64) * tick
     high = ticks[start[1:] - 1].astype(np.float64) * tick
-    elevation = _elevations(ticks, start, statistic) * tick
+    if statistic == "mean":
+        elevation = np.add.reduceat(parts.sums, chosen) / np.diff(start) * tick
+    else:
+        elevation = _quantile(ticks, start, {"max": 1.0, "median": 0.5, "p90": 0.9}[statistic]) * tick
     for array in (start, compartment, first, low, high, elevation):
         array.flags.writeable = False
     return StepField(compartments, start, compartment, first, low, high, elevation)
-
-
-def _elevations(ticks: NDArray[np.uint32], start: Integers, statistic: Statistic) -> Floats:
-    """Elevation of each pillar in ticks, by statistic."""
-    if statistic == "mean":
-        sums = np.add.reduceat(ticks, start[:-1], dtype=np.uint64)
-        return sums / np.diff(start)
-    share = {"max": 1.0, "median": 0.5, "p90": 0.9}[statistic]
-    return _quantile(ticks, start, share)
 
 
 def _quantile(ticks: NDArray[np.uint32], start: Integers, share: float) -> Floats:

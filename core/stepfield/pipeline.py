@@ -9,7 +9,7 @@ re-runs what follows the layering. The one memo per stage is keyed by values, th
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield import suggest
-from stepfield.compartments import Compartments, sort_into_compartments
+from stepfield.compartments import sort_into_compartments
 from stepfield.errors import ParameterError
 from stepfield.heightmap import Frame, GrayScale, HeightMap, draw
 from stepfield.layers import UNASSIGNED, Layering, classify
@@ -44,8 +44,10 @@ class Layer:
     name : str
     pillars : ndarray of shape (n,), int64
         Indices into the step-field, in order of compartment.
-    heights : ndarray of shape (n,), float64
-        Metres above the base plane.
+    elevation : ndarray of shape (n,), float64
+        Metres above the scan's lowest point.
+    alpha : float
+        Metres from there down to the base plane (Eq. 1).
     white : float
         The height that is white in the layer's image, metres.
     """
@@ -53,8 +55,14 @@ class Layer:
     index: int
     name: str
     pillars: NDArray[np.int64]
-    heights: Floats
-    white: float = 0.0
+    elevation: Floats
+    alpha: float
+    white: float
+
+    @property
+    def heights(self) -> Floats:
+        """Heights above the base plane, shape (n,), metres."""
+        return self.elevation + self.alpha
 
 
 @dataclass(frozen=True)
@@ -161,17 +169,17 @@ class Pipeline:
         progress(0.85, "classifying pillars")
         layer_key = (field_key, parameters.layering, parameters.min_points, parameters.max_layers)
         automatic = self._once("layers", layer_key, lambda: _classified(field, parameters))
-        edited = self._once("moves", (layer_key, tuple(moves)), lambda: apply_moves(field, automatic, moves))
+        moved_key = (layer_key, tuple(moves))
+        edited = self._once("moves", moved_key, lambda: apply_moves(field, automatic, moves))
         step = tolerance if parameters.link_step == "auto" else parameters.link_step
-        exported = edited.layering.layer != UNASSIGNED
-        links = self._once(
-            "links", (field_key, step, exported.tobytes()), lambda: link(field, exported, step)
-        )
+        linked_key = (moved_key, step)
+        links, cut = self._once("links", linked_key, lambda: _linked(field, edited.layering, step))
+        members = self._once("members", moved_key, lambda: _members(field, edited.layering))
         # Height-maps (5.2): heights above the base plane of Eq. 1
-        alpha = _alpha(parameters, compartments)
+        alpha = _alpha(parameters, scan, cell)
         picked = {"cell_size": cell, "layer_tolerance": tolerance, "link_step": step, "alpha": alpha}
         resolved = parameters.model_copy(update=picked | {"unit": scan.unit})
-        layers = _layers(field, edited.layering, alpha, resolved, _names(edited.names, styles))
+        layers = _layers(members, alpha, resolved, _names(edited.names, styles))
         progress(1.0, "done")
         return Reconstruction(
             scan=scan,
@@ -180,11 +188,11 @@ class Pipeline:
             automatic=automatic,
             layering=edited.layering,
             links=links,
-            seams=seams(links, edited.layering),
+            seams=cut,
             outcomes=edited.outcomes,
             layers=layers,
             base_elevation=compartments.lowest - alpha,
-            max_height=_greatest(layers, alpha),
+            max_height=alpha + max(member.greatest for member in members),
             frame=Frame.around(compartments.grid, resolved.pad),
         )
 
@@ -241,32 +249,56 @@ def _classified(field: StepField, parameters: Parameters) -> Layering:
     return layering
 
 
-def _alpha(parameters: Parameters, compartments: Compartments) -> float:
+def _alpha(parameters: Parameters, scan: Scan, cell: float) -> float:
     if parameters.alpha != "auto":
         return parameters.alpha
-    return suggest.alpha(compartments.grid.cell_size, int(compartments.ticks.max()) * compartments.tick)
+    return suggest.alpha(cell, scan.z.span())
 
 
 def _names(made: dict[int, str], styles: Sequence[LayerStyle]) -> dict[int, str]:
     return made | {style.index: style.name for style in styles if style.name}
 
 
+def _linked(
+    field: StepField, layering: Layering, link_step: float
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Links among the exported pillars, and the seams among them."""
+    links = link(field, layering.layer != UNASSIGNED, link_step)
+    return links, seams(links, layering)
+
+
+@dataclass(frozen=True)
+class _Member:
+    """What a layer is before alpha: which pillars, their elevations, the greatest of them."""
+
+    pillars: NDArray[np.int64]
+    elevation: Floats
+    greatest: float
+
+
+def _members(field: StepField, layering: Layering) -> list[_Member]:
+    """Cut the step-field into one step-field a layer (5.3.2)."""
+    chosen = [layering.members(index) for index in range(layering.count)]
+    elevations = [field.elevation[pillars] for pillars in chosen]
+    return [
+        _Member(pillars, elevation, float(elevation.max(initial=0.0)))
+        for pillars, elevation in zip(chosen, elevations, strict=True)
+    ]
+
+
 def _layers(
-    field: StepField, layering: Layering, alpha: float, parameters: Parameters, names: dict[int, str]
+    members: Sequence[_Member], alpha: float, parameters: Parameters, names: dict[int, str]
 ) -> tuple[Layer, ...]:
-    """Cut the step-field into one step-field a layer, with heights and the scale of each image."""
-    bare = []
-    for index in range(layering.count):
-        pillars = layering.members(index)
-        name = names.get(index, f"Layer {index + 1}")
-        bare.append(Layer(index, name, pillars, field.elevation[pillars] + alpha))
-    shared = _greatest(bare, alpha)
+    """Name the layers and say which height is white in each (5.2)."""
+    shared = max(member.greatest for member in members)
     return tuple(
-        replace(layer, white=_greatest([layer], alpha) if parameters.range == "layer" else shared)
-        for layer in bare
+        Layer(
+            index=index,
+            name=names.get(index, f"Layer {index + 1}"),
+            pillars=member.pillars,
+            elevation=member.elevation,
+            alpha=alpha,
+            white=alpha + (member.greatest if parameters.range == "layer" else shared),
+        )
+        for index, member in enumerate(members)
     )
-
-
-def _greatest(layers: Sequence[Layer], alpha: float) -> float:
-    """Greatest height of the pillars of some layers (H_max of Eq. 2); alpha where there is none."""
-    return max((float(layer.heights.max()) for layer in layers if len(layer.heights)), default=alpha)

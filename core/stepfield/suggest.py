@@ -85,4 +85,5 @@ def _side_holding(points: float, counts: NDArray[np.int64]) -> float:
     if not 0 < held_before < held:
         return side
     # Between the last two sizes the count grows like a power of the side.
-    return side * 2.0 ** -(math.log(max(held / points, 1)) / math.log(held / held_before))
+    back = math.log(max(held / points, 1.0)) / math.log(held / held_before)
+    return side * math.pow(2.0, -back)

@@ -55,7 +55,7 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         ({"pad": "none"}, []),
         ({"link_step": 0.1}, ["link"]),
         ({"min_points": 3}, ["classify", "apply_moves", "link"]),
-        ({"layering": "rank"}, ["classify", "apply_moves"]),
+        ({"layering": "rank"}, ["classify", "apply_moves", "link"]),
         ({"layer_tolerance": 0.2}, ["build_pillars", "classify", "apply_moves", "link"]),
         ({"cell_size": 0.3}, ["sort_into_compartments", "build_pillars", "classify", "apply_moves", "link"]),
         (

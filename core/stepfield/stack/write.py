@@ -13,7 +13,6 @@ from stepfield.progress import Progress, silent
 from stepfield.stack.folder import new_folder
 from stepfield.stack.manifest import FILE_NAME, Manifest, describe, image_name, mask_name
 
-
 #: Measured on height-maps: half the time of the usual level 6 for 7 % more bytes.
 COMPRESSION = 2
 
