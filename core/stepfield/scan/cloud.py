@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,11 @@ Numbers = NDArray[Any]
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
+#: Points handled at once: small enough for the processor's cache.
+CHUNK = 1 << 15
+
+
+@dataclass(frozen=True)
 class Axis:
     """One coordinate of every point, kept as the file stores it so that nothing is rounded.
 
@@ -40,14 +45,21 @@ class Axis:
         """Coordinates of the chosen points, float64."""
         return self.raw[part] * np.float64(self.scale) + self.offset
 
+    @cached_property
+    def _ends(self) -> Floats:
+        """Smallest and greatest raw value; looked up once, as clouds are large and often strided."""
+        chunks = (np.ascontiguousarray(self.raw[at : at + CHUNK]) for at in range(0, len(self.raw), CHUNK))
+        lows, highs = zip(*((chunk.min(), chunk.max()) for chunk in chunks), strict=True)
+        return np.array([min(lows), max(highs)], np.float64)
+
     def bounds(self) -> tuple[float, float]:
         """Smallest and greatest coordinate; the points must be at least one."""
-        ends = np.array([self.raw.min(), self.raw.max()]).astype(np.float64) * self.scale + self.offset
+        ends = self._ends * self.scale + self.offset
         return float(ends.min()), float(ends.max())
 
     def span(self) -> float:
         """Distance between the smallest and the greatest coordinate, exact for stored integers."""
-        return float((np.float64(self.raw.max()) - np.float64(self.raw.min())) * abs(self.scale))
+        return float((self._ends[1] - self._ends[0]) * abs(self.scale))
 
     def measure(self) -> Callable[[slice | Numbers], Floats]:
         """Return a function of points giving their distances from the smallest coordinate of all.
@@ -55,10 +67,14 @@ class Axis:
         The smallest raw value is subtracted before anything is scaled or rounded: for the stored
         integers of a LAS file the result is the same wherever the file places its offset.
         """
-        base = np.float64(self.raw.min() if self.scale > 0 else self.raw.max())
+        base = self._ends[0 if self.scale > 0 else 1]
 
         def distances(part: slice | Numbers) -> Floats:
-            return (self.raw[part].astype(np.float64) - base) * self.scale
+            distance = self.raw[part].astype(np.float64)
+            distance -= base
+            if self.scale != 1:
+                distance *= self.scale
+            return distance
 
         return distances
 
