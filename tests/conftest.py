@@ -16,11 +16,15 @@ REPOSITORY = Path(__file__).parents[1]
 SCANS = Path(os.environ.get("STEPFIELD_SCANS", REPOSITORY.parent / "shared" / "scans"))
 
 
-def scan_of(points: ArrayLike) -> Scan:
-    """Make a scan of an (N, 3) array, metres."""
-    array = np.asarray(points, np.float64).reshape(-1, 3)
-    x, y, z = (Axis(array[:, i]) for i in range(3))
+def scan_of_axes(x: Axis, y: Axis, z: Axis) -> Scan:
+    """Make a scan of its three coordinates."""
     return Scan(x, y, z)
+
+
+def scan_of(points: ArrayLike) -> Scan:
+    """Make a scan of an (N, 3) array, metres, without copying it."""
+    array = np.asarray(points).reshape(-1, 3)
+    return scan_of_axes(*(Axis(array[:, i]) for i in range(3)))
 
 
 @pytest.fixture(scope="session")

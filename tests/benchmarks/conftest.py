@@ -44,7 +44,9 @@ class Table:
             f"{what:52} {took:9.4f}  {name:34} {floor:9.4f} {took / floor:7.2f}  {target}"
             for what, took, name, floor, target in self.rows
         ]
-        return "\n".join(["", f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores", head, *lines])
+        return "\n".join(
+            ["", f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores", head, *lines]
+        )
 
 
 @pytest.fixture(scope="session")

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
+from tests.benchmarks.conftest import POINTS, Table, seconds
+from tests.conftest import scan_of
 
 from stepfield.compartments import sort_into_compartments
 from stepfield.layers import classify
@@ -11,23 +15,15 @@ from stepfield.links import link
 from stepfield.parameters import Parameters
 from stepfield.pillars import build_pillars
 from stepfield.pipeline import Pipeline
-from stepfield.scan import Axis, Scan
-from tests.benchmarks.conftest import POINTS, Table, seconds
-from tests.conftest import scan_of
 
 CELL, TOLERANCE = 0.25, 0.3
-
-
-def scan(points: NDArray[np.float32]) -> Scan:
-    """Make a scan that looks at an array the way the PLY reader does, without copying it."""
-    return Scan(*(Axis(points[:, i]) for i in range(3)))
 
 
 def test_step_field(storeys: NDArray[np.float32], table: Table) -> None:
     keys = np.random.default_rng(0).integers(0, 2**62, POINTS).astype(np.uint64)
     sort = seconds(lambda: np.sort(keys))
     one_pass = seconds(lambda: storeys.sum())
-    cloud = scan(storeys)
+    cloud = scan_of(storeys)
     built = seconds(lambda: build_pillars(sort_into_compartments(cloud, CELL), TOLERANCE))
     millions = f"{POINTS / 1e6:g} M"
     table.add(f"step-field from {millions} points", built, "numpy sort of as many uint64", sort, "<= 3")
@@ -37,8 +33,8 @@ def test_step_field(storeys: NDArray[np.float32], table: Table) -> None:
     table.add("a new tolerance", again, "the build above", built, "<= 0.05")
 
 
-def test_new_alpha(storeys: NDArray[np.float32], table: Table, tmp_path_factory: object, folder: object) -> None:
-    path = folder / "storeys.npy"  # type: ignore[operator]
+def test_new_alpha(storeys: NDArray[np.float32], table: Table, folder: Path) -> None:
+    path = folder / "storeys.npy"
     np.save(path, storeys)
     pipeline, parameters = Pipeline(), Parameters(cell_size=CELL, layer_tolerance=TOLERANCE)
     whole = seconds(lambda: pipeline.run([path], parameters), 1)
@@ -56,6 +52,12 @@ def test_layering_and_links(table: Table) -> None:
     field = build_pillars(sort_into_compartments(scan_of(points), 1.0), 0.3)
     floor = seconds(lambda: np.sort(field.elevation))
     name = f"{len(field) / 1e6:.2f} M pillars, 5 layers"
-    table.add(f"elevation layering, {name}", seconds(lambda: classify(field)), "sort of their heights", floor, "< 0.5 s")
+    table.add(
+        f"elevation layering, {name}",
+        seconds(lambda: classify(field)),
+        "sort of their heights",
+        floor,
+        "< 0.5 s",
+    )
     everywhere = np.ones(len(field), bool)
     table.add(f"links, {name}", seconds(lambda: link(field, everywhere, 0.3)), "sort of their heights", floor)

@@ -4,10 +4,20 @@ import subprocess
 import sys
 
 import pytest
-
 from tests.conftest import REPOSITORY
 
-HEAVY = {"open3d", "PySide6", "scipy", "laspy", "pye57", "rasterio", "trimesh", "numba", "matplotlib", "pyarrow"}
+HEAVY = {
+    "open3d",
+    "PySide6",
+    "scipy",
+    "laspy",
+    "pye57",
+    "rasterio",
+    "trimesh",
+    "numba",
+    "matplotlib",
+    "pyarrow",
+}
 
 
 def loaded_by(statement: str) -> set[str]:
@@ -18,7 +28,8 @@ def loaded_by(statement: str) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    "statement", ["import stepfield", "import stepfield.cli.commands", "import stepfield.pipeline, stepfield.stack"]
+    "statement",
+    ["import stepfield", "import stepfield.cli.commands", "import stepfield.pipeline, stepfield.stack"],
 )
 def test_nothing_heavy_is_loaded_before_it_is_needed(statement: str) -> None:
     assert not loaded_by(statement) & HEAVY

@@ -16,9 +16,7 @@ def test_eight_bits_follow_equation_two() -> None:
     assert scale.encode(np.array([0.0, 1.0, 1.0156, 2.0, 3.999, 4.0])).tolist() == [0, 64, 64, 128, 255, 255]
 
 
-@given(
-    st.floats(1e-6, 1e5), st.lists(st.floats(0, 1), min_size=1, max_size=50), st.sampled_from([8, 16])
-)
+@given(st.floats(1e-6, 1e5), st.lists(st.floats(0, 1), min_size=1, max_size=50), st.sampled_from([8, 16]))
 def test_decoding_returns_the_height_within_half_a_level(
     white: float, shares: list[float], bits: Literal[8, 16]
 ) -> None:
@@ -36,7 +34,9 @@ def test_padding_centres_the_map_and_the_odd_pixel_goes_right_and_below() -> Non
 
 def test_an_occupied_pixel_is_never_zero_and_a_hole_always_is() -> None:
     grid = Grid(0, 0, 1.0, 3, 1)
-    image = draw(grid, Frame.around(grid, "pow2"), np.array([0, 2]), np.array([0.001, 100.0]), GrayScale(100.0, 8))
+    image = draw(
+        grid, Frame.around(grid, "pow2"), np.array([0, 2]), np.array([0.001, 100.0]), GrayScale(100.0, 8)
+    )
     assert image.gray.tolist() == [[1, 0, 255, 0]]
     assert image.mask.tolist() == [[True, False, True, False]]
     assert image.lifted == 1

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.conftest import scan_of
 
 from stepfield.compartments import sort_into_compartments
 from stepfield.layers import UNASSIGNED, cheapest_layers, classify
 from stepfield.links import link, seams
 from stepfield.pillars import StepField, build_pillars
-from tests.conftest import scan_of
 
 
 def columns(*elevations: list[float]) -> StepField:
@@ -68,7 +68,9 @@ def test_the_assignment_is_the_cheapest_of_all(heights: list[int], averages: lis
     elevation, levels = np.sort(heights).astype(float), np.sort(averages).astype(float)
     chosen = cheapest_layers(elevation[np.newaxis], levels)[0]
     assert np.all(np.diff(chosen) > 0)
-    every = [np.square(elevation - levels[list(c)]).sum() for c in combinations(range(len(levels)), len(heights))]
+    every = [
+        np.square(elevation - levels[list(c)]).sum() for c in combinations(range(len(levels)), len(heights))
+    ]
     assert np.square(elevation - levels[chosen]).sum() == pytest.approx(min(every))
 
 
@@ -92,7 +94,10 @@ def test_links_run_north_south_too_and_never_wrap_round_the_edge() -> None:
     assert len(link(field, np.ones(len(field), bool), 0.1)) == 2 * 2 + 3
 
 
-@given(st.lists(st.lists(st.integers(0, 60), max_size=5, unique=True), min_size=2, max_size=8), st.integers(1, 60))
+@given(
+    st.lists(st.lists(st.integers(0, 60), max_size=5, unique=True), min_size=2, max_size=8),
+    st.integers(1, 60),
+)
 def test_links_are_what_comparing_all_pillars_finds(stacks: list[list[int]], step: int) -> None:
     stacks = [sorted(stack) for stack in stacks]
     stacks[0] = stacks[0] or [0]
@@ -103,7 +108,9 @@ def test_links_are_what_comparing_all_pillars_finds(stacks: list[list[int]], ste
     for a in range(len(field)):
         for b in np.flatnonzero(at == at[a] + 1):
             mine, its = np.flatnonzero(at == at[a]), np.flatnonzero(at == at[b])
-            mutual = its[np.argmin(np.abs(z[its] - z[a]))] == b and mine[np.argmin(np.abs(z[mine] - z[b]))] == a
+            mutual = (
+                its[np.argmin(np.abs(z[its] - z[a]))] == b and mine[np.argmin(np.abs(z[mine] - z[b]))] == a
+            )
             if mutual and abs(z[a] - z[b]) <= step / 4.0:
                 expected.add((a, int(b)))
     assert found == expected

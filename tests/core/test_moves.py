@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.conftest import scan_of
 
 from stepfield.compartments import sort_into_compartments
 from stepfield.layers import UNASSIGNED, Layering, classify
 from stepfield.moves import apply_moves
 from stepfield.pillars import StepField, build_pillars
 from stepfield.project import ExistingLayer, Move, NewLayer
-from tests.conftest import scan_of
 
 RNG = np.random.default_rng(5)
 FLOOR_AND_TABLE = scan_of(
@@ -105,7 +105,10 @@ def test_a_move_that_finds_nothing_says_so_and_changes_nothing() -> None:
 def test_moves_come_back_identical_through_another_cell_size() -> None:
     field = field_at(0.25)
     before = classify(field)
-    moves = [move(field, before.members(2)[::3], to_layer(1)), move(field, before.members(0)[::7], "unassigned")]
+    moves = [
+        move(field, before.members(2)[::3], to_layer(1)),
+        move(field, before.members(0)[::7], "unassigned"),
+    ]
     first = apply_moves(field, before, moves)
     elsewhere = apply_moves(field_at(0.17), classify(field_at(0.17)), moves)
     assert all(outcome.resolved for outcome in elsewhere.outcomes)
@@ -132,7 +135,9 @@ def test_no_sequence_of_moves_puts_two_pillars_in_one_place(data: st.DataObject)
     moves = []
     for _ in range(data.draw(st.integers(1, 6))):
         chosen = data.draw(st.lists(st.integers(0, len(field) - 1), min_size=1, max_size=30, unique=True))
-        target = data.draw(st.sampled_from(["unassigned", {"new": "A"}, to_layer(0), to_layer(1), to_layer(2)]))
+        target = data.draw(
+            st.sampled_from(["unassigned", {"new": "A"}, to_layer(0), to_layer(1), to_layer(2)])
+        )
         moves.append(move(field, np.array(chosen), target, data.draw(st.sampled_from(["swap", "leave"]))))
     after = apply_moves(field, layering, moves)
     assert one_pillar_a_place(field, after.layering)

@@ -6,6 +6,7 @@ import functools
 
 import numpy as np
 from numpy.typing import NDArray
+from tests.conftest import scan_of
 
 from stepfield.compartments import sort_into_compartments
 from stepfield.layers import Layering, classify
@@ -13,7 +14,6 @@ from stepfield.links import link, seams
 from stepfield.pillars import StepField, build_pillars
 from stepfield.surface import as_simulator
 from stepfield.synth import synthesise
-from tests.conftest import scan_of
 
 CELL, TOLERANCE = 0.1, 0.3
 
@@ -62,7 +62,9 @@ def test_figure_4_the_inclined_plane_splits_over_the_three_layers_it_crosses() -
     crossed = layers_of(layering, inclined)
     assert len(crossed) == 3, "the paper's inclined plane is reconstructed with three layers"
     for name in ("lowest plane", "middle plane", "highest plane"):
-        assert len(layers_of(layering, surface == names[name])) == 1, f"the {name} is not reconstructed correctly"
+        assert len(layers_of(layering, surface == names[name])) == 1, (
+            f"the {name} is not reconstructed correctly"
+        )
     means = [field.elevation[inclined & (layering.layer == layer)].mean() for layer in crossed]
     assert np.all(np.diff(means) > 0), "the pieces are not classified by elevation"
 
@@ -87,7 +89,9 @@ def test_figure_4_the_cuts_are_holes_in_the_simulators_surface() -> None:
 def test_figure_5_where_the_inclined_plane_crosses_another_both_are_built_of_several_layers() -> None:
     field, layering, surface, names = figure("crossing-plane")
     assert len(layers_of(layering, surface == names["inclined plane"])) >= 3
-    shares = [layers_of(layering, surface == names[f"{which} plane"]) for which in ("lowest", "middle", "highest")]
+    shares = [
+        layers_of(layering, surface == names[f"{which} plane"]) for which in ("lowest", "middle", "highest")
+    ]
     assert [len(share) for share in shares] == [1, 1, 2], "the crossed plane too is built with several layers"
     assert layering.unassigned <= 0.005 * len(field), "no data are lost"
 

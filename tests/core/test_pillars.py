@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from tests.conftest import scan_of, scan_of_axes
 
 from stepfield.compartments import sort_into_compartments
 from stepfield.pillars import Statistic, StepField, build_pillars
 from stepfield.scan import Axis, Scan
-from tests.conftest import scan_of
 
 
 def field_of(points: list[list[float]], tolerance: float = 0.5, cell: float = 1.0) -> StepField:
@@ -48,8 +48,8 @@ def test_a_shift_to_national_coordinates_changes_nothing_for_las_integers() -> N
     rng = np.random.default_rng(1)
     raw = rng.integers(0, 100_000, (3, 5000)).astype(np.int32)
     offsets = (600_000.0, 5_400_000.0, 300.0)
-    here = Scan(*(Axis(r, 0.001) for r in raw))
-    there = Scan(*(Axis(r, 0.001, offset) for r, offset in zip(raw, offsets, strict=True)))
+    here = scan_of_axes(*(Axis(r, 0.001) for r in raw))
+    there = scan_of_axes(*(Axis(r, 0.001, offset) for r, offset in zip(raw, offsets, strict=True)))
     near, far = (build_pillars(sort_into_compartments(scan, 0.7), 0.3) for scan in (here, there))
     assert np.array_equal(near.compartment, far.compartment)
     assert np.array_equal(near.elevation, far.elevation)

@@ -1,4 +1,4 @@
-"""The pipeline remembers stages: a slider that re-sorts millions of points for a new alpha would not be live."""
+"""The pipeline remembers stages: a slider that sorts points again for a new alpha is not live."""
 
 from collections.abc import Callable
 from pathlib import Path

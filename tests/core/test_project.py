@@ -45,7 +45,10 @@ def test_a_missing_parameter_takes_its_default(tmp_path: Path) -> None:
         ('{"format": "stepfield-project", "version": 99}', "newer Stepfield"),
         ('{"format": "stepfield-project", "parameters": {"cell_size": -1}}', "parameters.cell_size"),
         ('{"format": "stepfield-project", "moves": [{"to": "up", "pillars": []}]}', "moves.0.to"),
-        ('{"format": "stepfield-project", "moves": [{"to": "unassigned", "pillars": [[1]]}]}', "moves.0.pillars"),
+        (
+            '{"format": "stepfield-project", "moves": [{"to": "unassigned", "pillars": [[1]]}]}',
+            "moves.0.pillars",
+        ),
     ],
 )
 def test_a_damaged_project_is_one_sentence(tmp_path: Path, text: str, sentence: str) -> None:

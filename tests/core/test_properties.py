@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from random import Random
+from typing import Literal
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
+from tests.conftest import scan_of
 
 from stepfield.compartments import sort_into_compartments
 from stepfield.heightmap import Frame, GrayScale, draw
 from stepfield.layers import UNASSIGNED, Layering, classify
 from stepfield.pillars import StepField, build_pillars
 from stepfield.scan import Axis, Scan
-from tests.conftest import scan_of
 
 Floats = NDArray[np.float64]
+Method = Literal["rank", "elevation"]
+Cap = int | Literal["auto", "none"]
 
 #: Multiples of 2^-10 m, so that shifts by national-grid coordinates are exact.
 clouds = st.integers(1, 120).flatmap(
@@ -44,7 +49,9 @@ def images(field: StepField, layering: Layering) -> list[bytes]:
 
 
 @given(clouds, cells, tolerances, methods, st.randoms(use_true_random=False))
-def test_the_order_of_the_points_does_not_matter(points, cell, tolerance, method, random) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
+def test_the_order_of_the_points_does_not_matter(
+    points: Floats, cell: float, tolerance: float, method: Method, random: Random
+) -> None:
     shuffled = points[random.sample(range(len(points)), len(points))]
     one, other = made(points, cell, tolerance), made(shuffled, cell, tolerance)
     assert images(one, classify(one, method)) == images(other, classify(other, method))
@@ -62,16 +69,18 @@ def test_every_point_is_in_exactly_one_pillar_of_its_own_compartment(
     z = points[:, 2] - low[2]
     for compartment in np.unique(at):
         mine = field.compartment == compartment
-        inside = (field.low[mine] <= z[at == compartment, None]) & (z[at == compartment, None] <= field.high[mine])
+        inside = (field.low[mine] <= z[at == compartment, None]) & (
+            z[at == compartment, None] <= field.high[mine]
+        )
         assert (inside.sum(axis=1) == 1).all()
 
 
 @given(clouds, cells, tolerances, methods, st.sampled_from(["auto", "none", 1, 2, 3]), st.integers(1, 3))
 def test_one_pillar_a_compartment_a_layer_in_order_of_height(
-    points: Floats, cell: float, tolerance: float, method: str, max_layers: int | str, min_points: int
+    points: Floats, cell: float, tolerance: float, method: Method, max_layers: Cap, min_points: int
 ) -> None:
     field = made(points, cell, tolerance)
-    layering = classify(field, method, min_points=min_points, max_layers=max_layers)  # type: ignore[arg-type]
+    layering = classify(field, method, min_points=min_points, max_layers=max_layers)
     assert layering.layer.max(initial=-1) < layering.count
     for compartment in np.unique(field.compartment):
         layer = layering.layer[field.compartment == compartment]
@@ -94,7 +103,9 @@ def test_the_cost_never_rises_and_the_averages_ascend(points: Floats, cell: floa
 
 
 @given(clouds, cells, tolerances, tolerances)
-def test_more_tolerance_never_means_more_pillars(points: Floats, cell: float, one: float, other: float) -> None:
+def test_more_tolerance_never_means_more_pillars(
+    points: Floats, cell: float, one: float, other: float
+) -> None:
     narrow, wide = (made(points, cell, tolerance) for tolerance in sorted((one, other)))
     assert len(wide) <= len(narrow)
     assert set(wide.start.tolist()) <= set(narrow.start.tolist())
@@ -105,7 +116,7 @@ def test_shifting_by_whole_cells_moves_the_origin_only(
     points: Floats, cell: float, tolerance: float, east: int, north: int
 ) -> None:
     field = made(points, cell, tolerance)
-    shifted = made(points + [east * cell, north * cell, 0], cell, tolerance)
+    shifted = made(points + np.array([east * cell, north * cell, 0]), cell, tolerance)
     assert images(field, classify(field)) == images(shifted, classify(shifted))
     grid, moved = field.compartments.grid, shifted.compartments.grid
     assert (moved.west - grid.west, moved.south - grid.south) == (east * cell, north * cell)
@@ -114,7 +125,7 @@ def test_shifting_by_whole_cells_moves_the_origin_only(
 @given(clouds, cells, tolerances)
 def test_national_coordinates_lose_nothing(points: Floats, cell: float, tolerance: float) -> None:
     field = made(points, cell, tolerance)
-    shifted = made(points + [600_000, 5_400_000, 300], cell, tolerance)
+    shifted = made(points + np.array([600_000, 5_400_000, 300]), cell, tolerance)
     assert images(field, classify(field)) == images(shifted, classify(shifted))
 
 

@@ -22,9 +22,9 @@ from stepfield.stack import Manifest, Stack, check_stack, write_stack
 def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rng = np.random.default_rng(4)
     floor = np.c_[rng.random((6000, 2)) * [3, 2], rng.normal(0, 0.01, 6000)]
-    top = np.c_[rng.random((2000, 2)) + [1, 0.5], rng.normal(0.75, 0.01, 2000)]
+    top = np.c_[rng.random((2000, 2)) + np.array([1, 0.5]), rng.normal(0.75, 0.01, 2000)]
     path = tmp_path_factory.mktemp("scan") / 'Tisch "β".npy'
-    np.save(path, np.vstack([floor, top]) + [600_000.25, 5_400_000.5, 300.0])
+    np.save(path, np.vstack([floor, top]) + np.array([600_000.25, 5_400_000.5, 300.0]))
     return path
 
 
@@ -72,7 +72,9 @@ def test_the_parameters_of_the_manifest_give_the_same_bytes_again(table: Path, t
     assert contents(tmp_path / "one") == contents(tmp_path / "two")
 
 
-def test_a_stack_passes_its_own_check_with_its_scan(result: Reconstruction, table: Path, tmp_path: Path) -> None:
+def test_a_stack_passes_its_own_check_with_its_scan(
+    result: Reconstruction, table: Path, tmp_path: Path
+) -> None:
     write_stack(result, tmp_path / "out")
     report = check_stack(tmp_path / "out", [table])
     assert report.faults == ()
@@ -99,7 +101,9 @@ def damage_manifest_number(folder: Path) -> None:
         (lambda folder: (folder / "layer_00.png").unlink(), "image is missing"),
         (lambda folder: (folder / "layer_00.png").write_bytes(b"GIF89a"), "image is damaged"),
         (
-            lambda folder: os.truncate(folder / "layer_00.png", (folder / "layer_00.png").stat().st_size // 2),
+            lambda folder: os.truncate(
+                folder / "layer_00.png", (folder / "layer_00.png").stat().st_size // 2
+            ),
             "image is damaged",
         ),
         (lambda folder: shutil.copy(folder / "layer_00_mask.png", folder / "layer_00.png"), "bits a pixel"),
@@ -119,7 +123,7 @@ def test_check_finds_the_fault(result: Reconstruction, tmp_path: Path, damage: o
 def test_check_notices_another_scan(result: Reconstruction, tmp_path: Path) -> None:
     write_stack(result, tmp_path / "out")
     other = tmp_path / "other.npy"
-    np.save(other, result.scan.points() + [0, 0, 0.25])
+    np.save(other, result.scan.points() + np.array([0, 0, 0.25]))
     assert any("SHA-256" in fault for fault in check_stack(tmp_path / "out", [other]).faults)
 
 
@@ -152,7 +156,9 @@ class TestFolder:
         with pytest.raises(StackError, match="--overwrite"):
             write_stack(result, tmp_path / "out")
 
-    def test_overwrite_replaces_a_stack_and_all_its_files(self, result: Reconstruction, tmp_path: Path) -> None:
+    def test_overwrite_replaces_a_stack_and_all_its_files(
+        self, result: Reconstruction, tmp_path: Path
+    ) -> None:
         write_stack(result, tmp_path / "out")
         (tmp_path / "out" / "layer_07.png").write_bytes(b"of an older stack with more layers")
         write_stack(result, tmp_path / "out", overwrite=True)
@@ -171,7 +177,9 @@ class TestFolder:
         with pytest.raises(StackError, match="is a file"):
             write_stack(result, tmp_path / "out")
 
-    def test_a_symbolic_link_stays_and_its_folder_is_replaced(self, result: Reconstruction, tmp_path: Path) -> None:
+    def test_a_symbolic_link_stays_and_its_folder_is_replaced(
+        self, result: Reconstruction, tmp_path: Path
+    ) -> None:
         write_stack(result, tmp_path / "real")
         (tmp_path / "link").symlink_to("real")
         write_stack(result, tmp_path / "link", overwrite=True)

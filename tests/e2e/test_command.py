@@ -1,4 +1,4 @@
-"""The command as an operator meets it: a subprocess, its exit code, one line of failure, nothing half written."""
+"""The command as an operator meets it: exit codes, one line of failure, nothing half written."""
 
 from __future__ import annotations
 
@@ -137,7 +137,9 @@ def test_a_fault_found_by_check_is_exit_one_on_stdout(table: Path, tmp_path: Pat
     assert "image is missing" in done.stdout
 
 
-@pytest.mark.parametrize("name", ["mit blank.ply", "größe.ply", "it's \"quoted\".ply", "new\nline.ply", "-dash.ply"])
+@pytest.mark.parametrize(
+    "name", ["mit blank.ply", "größe.ply", 'it\'s "quoted".ply', "new\nline.ply", "-dash.ply"]
+)
 def test_odd_names_work(table: Path, tmp_path: Path, name: str) -> None:
     (tmp_path / name).symlink_to(table)
     done = stepfield("build", "-o", tmp_path / ("out of " + name), "--", tmp_path / name)
@@ -163,7 +165,18 @@ def test_an_interrupted_build_leaves_the_old_stack(tmp_path: Path, number: signa
     first = stepfield("build", scan, "-o", out, "--cell", 1, "--tolerance", 0.5)
     assert first.returncode == 0, first.stderr
     before = contents(out)
-    command = [*COMMAND, "build", str(scan), "-o", str(out), "--overwrite", "--cell", "0.02", "--tolerance", "0.1"]
+    command = [
+        *COMMAND,
+        "build",
+        str(scan),
+        "-o",
+        str(out),
+        "--overwrite",
+        "--cell",
+        "0.02",
+        "--tolerance",
+        "0.1",
+    ]
     running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 60
     while not list(tmp_path.glob(".out.*/layer_00.png")) and running.poll() is None:
@@ -198,7 +211,11 @@ def test_help_and_version_answer() -> None:
 
 
 def test_completion_is_offered() -> None:
-    environment = os.environ | {"_STEPFIELD_COMPLETE": "complete_bash", "COMP_WORDS": "stepfield bu", "COMP_CWORD": "1"}
+    environment = os.environ | {
+        "_STEPFIELD_COMPLETE": "complete_bash",
+        "COMP_WORDS": "stepfield bu",
+        "COMP_CWORD": "1",
+    }
     assert "build" in stepfield(env=environment).stdout
 
 

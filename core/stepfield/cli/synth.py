@@ -20,7 +20,8 @@ def write_scene(
     reporter: Reporter,
 ) -> None:
     """Make the scene's points and write them in the format of the suffix."""
-    made = synthesise(scene, points=points, noise=noise, seed=seed, scanner=scanner)
+    with reporter.progress() as progress:
+        made = synthesise(scene, points, noise, seed, scanner=scanner, progress=progress)
     write(output, made.points, {"surface": made.surface})
     values = {"file": str(output), "points": len(made.points), "surfaces": list(made.names)}
     reporter.result(values, f"{len(made.points)} points of {len(made.names)} surfaces written to {output}")
