@@ -24,6 +24,8 @@ from stepfield.scan import Axis, Scan
 from stepfield.scan.cloud import CHUNK
 
 TICK_BITS = 32
+#: Tolerances finer than this share of the cell size are rare enough to cost a pass over the points.
+FINEST_SHARE = 4
 #: Points one thread takes at a time, in chunks that fit its cache.
 BATCH = 16 * CHUNK
 WORKERS = min(os.cpu_count() or 1, 8)
@@ -91,7 +93,7 @@ def sort_into_compartments(scan: Scan, cell_size: float, progress: Progress = si
         start = np.append(first, len(keys))
         occupied = (keys[first] >> np.uint64(TICK_BITS)).astype(np.int64)
         del keys
-        parts = part(ticks, start, learnt_threshold(ticks, start), pool)
+        parts = part(ticks, start, learnt_threshold(ticks, start, cell_size / FINEST_SHARE / tick), pool)
     for array in (ticks, occupied, start):
         array.flags.writeable = False
     return Compartments(grid, scan.z.bounds()[0], tick, ticks, occupied, start, parts)

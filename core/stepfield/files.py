@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import os
 import tempfile
+from concurrent.futures import Future
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 from stepfield.errors import StepfieldError
@@ -15,6 +18,28 @@ from stepfield.errors import StepfieldError
 def reason(error: OSError) -> str:
     """Say what the operating system said, without its numbers and paths."""
     return (error.strerror or str(error)).lower()
+
+
+class Digest:
+    """SHA-256 of a file, taken by a thread of its own while the file's points are put to use.
+
+    It costs more processor time than reading the points does. Leaving the program does not wait for it.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._result: Future[str] = Future()
+        Thread(target=self._take, args=(path,), name=f"digest of {path.name}", daemon=True).start()
+
+    def hexdigest(self) -> str:
+        """Return the digest, waiting for it if need be; raise OSError if the file could not be read."""
+        return self._result.result()
+
+    def _take(self, path: Path) -> None:
+        try:
+            with path.open("rb") as file:
+                self._result.set_result(hashlib.file_digest(file, "sha256").hexdigest())
+        except OSError as error:
+            self._result.set_exception(error)
 
 
 def read_json(path: Path, failure: type[StepfieldError], what: str) -> Any:

@@ -7,6 +7,8 @@ the surfaces of the simulator have a hole (paper section 6, figure 4).
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,7 +43,8 @@ def link(field: StepField, taking_part: NDArray[np.bool_], link_step: float) -> 
     _, column = grid.row_column(compartment)
     east = np.where(column < grid.columns - 1, compartment + 1, _NOWHERE)
     south = np.where(compartment < len(grid) - grid.columns, compartment + grid.columns, _NOWHERE)
-    pairs = [_mutual(compartment, elevation, there, link_step) for there in (east, south)]
+    with ThreadPoolExecutor(2) as pool:
+        pairs = list(pool.map(lambda there: _mutual(compartment, elevation, there, link_step), (east, south)))
     return chosen[np.vstack(pairs)]
 
 
@@ -85,4 +88,6 @@ def _nearest(compartment: Integers, elevation: Floats, neighbour: Integers) -> I
     fits_below = (compartment[below] == neighbour) & (below >= 0)
     fits_above = compartment[above] == neighbour
     nearer_above = np.abs(elevation[above] - elevation) < np.abs(elevation[below] - elevation)
-    return np.select([fits_above & (nearer_above | ~fits_below), fits_below], [above, below], -1)
+    chosen = np.where(fits_above & (nearer_above | ~fits_below), above, below)
+    chosen[~(fits_above | fits_below)] = -1
+    return chosen

@@ -52,13 +52,13 @@ class Parts:
         return np.flatnonzero(self.gap > gap)
 
 
-def learnt_threshold(ticks: Ticks, bottoms: Integers) -> int:
-    """Gap within a compartment that only about one in ``POINTS_A_PART`` exceeds."""
+def learnt_threshold(ticks: Ticks, bottoms: Integers, widest: float) -> int:
+    """Gap within a compartment that only about one in ``POINTS_A_PART`` exceeds, ``widest`` at most."""
     at = np.arange(1, len(ticks), max(1, len(ticks) // SAMPLE))
     within = at[bottoms[np.searchsorted(bottoms, at)] != at]
     if not len(within):
         return 0
-    return int(np.quantile(ticks[within] - ticks[within - 1], 1 - 1 / POINTS_A_PART))
+    return int(min(np.quantile(ticks[within] - ticks[within - 1], 1 - 1 / POINTS_A_PART), widest))
 
 
 def part(ticks: Ticks, bottoms: Integers, finest: int, pool: Executor) -> Parts:

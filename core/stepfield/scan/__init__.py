@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 import importlib
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
 from stepfield.errors import ScanError
-from stepfield.files import reason
+from stepfield.files import Digest, reason
 from stepfield.parameters import Parameters, Unit, Up
 from stepfield.progress import Progress, silent
 from stepfield.scan.cleaning import clean
@@ -67,7 +65,7 @@ def read_scan(
         progress(done / len(paths), f"reading {path.name}")
         cloud, digest = _read(Path(path))
         clouds.append(cloud)
-        files.append(SourceFile(path.name, digest, len(cloud)))
+        files.append(SourceFile(path.name, len(cloud), digest))
     scan = joined(clouds, files, unit, up)
     return replace(scan, warnings=scan.warnings + _advice(scan, unit))
 
@@ -78,8 +76,8 @@ def open_scan(paths: Sequence[Path], parameters: Parameters, progress: Progress 
     return clean(read_scan(paths, unit, parameters.up, progress), parameters, progress)
 
 
-def _read(path: Path) -> tuple[Cloud, str]:
-    """Read one file; its digest is taken by a second thread meanwhile."""
+def _read(path: Path) -> tuple[Cloud, Digest]:
+    """Read one file and begin to take its digest."""
     if path.suffix.lower() not in FORMATS:
         known = " ".join(sorted(FORMATS))
         raise ScanError(f"{path.name}: unknown kind of file; Stepfield reads {known}")
@@ -87,10 +85,8 @@ def _read(path: Path) -> tuple[Cloud, str]:
         if not path.is_file():
             problem = "is a folder, not a scan" if path.is_dir() else "there is no such file"
             raise ScanError(f"{path}: {problem}; check the name")
-        with ThreadPoolExecutor(1) as pool:
-            digest = pool.submit(_sha256, path)
-            cloud = _reader(path)(path)
-            return cloud, digest.result()
+        digest = Digest(path)
+        return _reader(path)(path), digest
     except OSError as error:
         raise ScanError(f"{path}: cannot be read ({reason(error)}); check the file") from None
     except MemoryError:
@@ -101,11 +97,6 @@ def _reader(path: Path) -> Reader:
     module = importlib.import_module(f"stepfield.scan.{FORMATS[path.suffix.lower()]}")
     reader: Reader = module.read
     return reader
-
-
-def _sha256(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _advice(scan: Scan, unit: Unit | None) -> tuple[str, ...]:

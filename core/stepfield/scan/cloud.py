@@ -50,7 +50,12 @@ class Axis:
         """Smallest and greatest raw value; looked up once, as clouds are large and often strided."""
         chunks = (np.ascontiguousarray(self.raw[at : at + CHUNK]) for at in range(0, len(self.raw), CHUNK))
         lows, highs = zip(*((chunk.min(), chunk.max()) for chunk in chunks), strict=True)
-        return np.array([min(lows), max(highs)], np.float64)
+        return np.array([np.min(lows), np.max(highs)], np.float64)
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether no value is NaN or infinite: either would show in the smallest or the greatest."""
+        return not len(self) or bool(np.isfinite(self._ends).all())
 
     def bounds(self) -> tuple[float, float]:
         """Smallest and greatest coordinate; the points must be at least one."""
@@ -132,13 +137,10 @@ def finite_cloud(
 ) -> Cloud:
     """Make a Cloud of float or integer columns, dropping and counting points that are not finite."""
     attributes = dict(attributes or {})
-    keep = np.ones(len(coordinates[0]), bool)
-    for column in coordinates:
-        if column.dtype.kind == "f":
-            keep &= np.isfinite(column)
-    dropped = int(len(keep) - np.count_nonzero(keep))
-    if dropped:
-        coordinates = (coordinates[0][keep], coordinates[1][keep], coordinates[2][keep])
-        attributes = {name: values[keep] for name, values in attributes.items()}
     x, y, z = (Axis(column) for column in coordinates)
-    return Cloud((x, y, z), attributes, not_finite=dropped, **facts)
+    if x.is_finite and y.is_finite and z.is_finite:
+        return Cloud((x, y, z), attributes, **facts)
+    keep = np.logical_and.reduce([np.isfinite(column) for column in coordinates])
+    attributes = {name: values[keep] for name, values in attributes.items()}
+    dropped = int(len(keep) - np.count_nonzero(keep))
+    return Cloud((x.take(keep), y.take(keep), z.take(keep)), attributes, not_finite=dropped, **facts)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from stepfield.files import Digest
 from stepfield.parameters import METRES, Unit, Up
 from stepfield.scan.cloud import Axis, Cloud, Floats, Numbers
 
@@ -23,11 +24,16 @@ _TURNS: dict[Up, tuple[tuple[int, int], tuple[int, int], tuple[int, int]]] = {
 
 @dataclass(frozen=True, slots=True)
 class SourceFile:
-    """A file the scan came from: its name without folders, its SHA-256 and its finite points."""
+    """A file the scan came from: its name without folders, its finite points and its digest."""
 
     name: str
-    sha256: str
     points: int
+    digest: Digest
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the file in hexadecimal digits."""
+        return self.digest.hexdigest()
 
 
 @dataclass(frozen=True)

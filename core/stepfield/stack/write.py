@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stepfield.pipeline import Reconstruction
+from stepfield.pipeline import Layer, Reconstruction
 from stepfield.progress import Progress, silent
 from stepfield.stack.folder import new_folder
 from stepfield.stack.manifest import FILE_NAME, Manifest, describe, image_name, mask_name
@@ -42,16 +43,25 @@ def write_stack(
     """
     lifted = 0
     with new_folder(folder, is_stack if overwrite else None) as new:
-        for layer in result.layers:
-            progress(layer.index / len(result.layers), f"writing {layer.name}")
-            image = result.height_map(layer)
-            lifted += image.lifted
-            save_gray(new / image_name(layer.index), image.gray)
-            save_gray(new / mask_name(layer.index), image.mask.astype(np.uint8) * np.uint8(255))
+        # Two images at once is all: a hundred layers of a large grid would not fit side by side.
+        with ThreadPoolExecutor(2) as pool:
+            for layer, raised in zip(
+                result.layers, pool.map(lambda each: _save(result, each, new), result.layers), strict=True
+            ):
+                progress(layer.index / len(result.layers), f"writing {layer.name}")
+                lifted += raised
         manifest = describe(result, lifted)
         (new / FILE_NAME).write_text(manifest.text(), encoding="utf-8")
     progress(1.0, "done")
     return manifest
+
+
+def _save(result: Reconstruction, layer: Layer, folder: Path) -> int:
+    """Write a layer's image and mask; return how many of its pixels were lifted from 0."""
+    image = result.height_map(layer)
+    save_gray(folder / image_name(layer.index), image.gray)
+    save_gray(folder / mask_name(layer.index), image.mask.astype(np.uint8) * np.uint8(255))
+    return image.lifted
 
 
 def save_gray(path: Path, pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> None:
