@@ -60,12 +60,12 @@ class Compartments:
     start: NDArray[np.int64]
     parts: Parts
 
-    def parts_for(self, gap: float) -> Parts:
+    def parts_for(self, gap: int) -> Parts:
         """Parts fine enough to find every gap wider than ``gap`` ticks."""
         if gap >= self.parts.finest:
             return self.parts
         with ThreadPoolExecutor(WORKERS) as pool:
-            return part(self.ticks, self.start, int(gap), pool)
+            return part(self.ticks, self.start, gap, pool)
 
 
 def sort_into_compartments(scan: Scan, cell_size: float, progress: Progress = silent) -> Compartments:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.compartments import Compartments
+from stepfield.parts import BOTTOM
 
 Statistic = Literal["mean", "max", "median", "p90"]
 Floats = NDArray[np.float64]
@@ -80,16 +81,16 @@ def build_pillars(
     """
     ticks, tick = compartments.ticks, compartments.tick
     # A gap of exactly the tolerance does not part; the tiny share forgives the rounding of tolerance / tick.
-    widest = min(layer_tolerance / tick * (1 + 1e-12), 2.0**32)
+    widest = int(min(layer_tolerance / tick * (1 + 1e-12), 2.0**32))
     parts = compartments.parts_for(widest)
     chosen = parts.wider_than(widest)
     start = np.append(parts.start[chosen], len(ticks))
-    first = np.searchsorted(start, compartments.start)
+    first = np.append(np.flatnonzero(parts.gap[chosen] == BOTTOM), len(chosen))
     compartment = np.repeat(compartments.occupied, np.diff(first))
-    low = ticks[start[:-1]].astype(np.float64) * tick
-    high = ticks[start[1:] - 1].astype(np.float64) * tick
+    low = parts.low[chosen].astype(np.float64) * tick
+    high = parts.high[np.append(chosen[1:], len(parts.gap)) - 1].astype(np.float64) * tick
     if statistic == "mean":
-        elevation = np.add.reduceat(parts.sums, chosen) / np.diff(start) * tick
+        elevation = np.diff(parts.below[np.append(chosen, len(parts.gap))]) / np.diff(start) * tick
     else:
         elevation = _quantile(ticks, start, {"max": 1.0, "median": 0.5, "p90": 0.9}[statistic]) * tick
     for array in (start, compartment, first, low, high, elevation):
