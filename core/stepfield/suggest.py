@@ -6,7 +6,8 @@ a power of ten, and kept so that the longer side has ``FEWEST_ALONG`` to ``MOST_
 median over squares, not over points, counts: the floor near the scanner must not decide for the room.
 
 Tolerance: three cell sizes, for a surface as steep as a stair stays one pillar and a table stays apart from
-the floor; at most an eighth of the usual elevation range, so that storeys of a wide, coarse tile still part.
+the floor. At least a twentieth of the usual elevation range, for the lines a scanner draws on a wall are not
+storeys; at most an eighth, so that storeys of a wide, coarse tile still part.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from stepfield.scan import Scan
 POINTS_A_COMPARTMENT = 8
 FEWEST_ALONG, MOST_ALONG = 32, 1024
 TOLERANCE_IN_CELLS = 3.0
-TOLERANCE_IN_RANGES = 1 / 8
+TOLERANCE_IN_RANGES = (1 / 20, 1 / 8)
 #: Shares of the points between which the usual places lie: a stray bird must not widen them.
 USUAL = (0.005, 0.995)
 #: Points looked at to learn what is usual.
@@ -43,8 +44,9 @@ def cell_size(scan: Scan) -> float:
 def layer_tolerance(scan: Scan, cell: float) -> float:
     """Vertical gap, metres, that parts two pillars."""
     low, high = _usual(scan.z.above_lowest())
-    wished, reach = TOLERANCE_IN_CELLS * cell, (high - low) * TOLERANCE_IN_RANGES
-    return rounded(min(wished, reach) if reach > 0 else wished)
+    least, most = (share * (high - low) for share in TOLERANCE_IN_RANGES)
+    wished = TOLERANCE_IN_CELLS * cell
+    return rounded(min(max(wished, least), most) if most > 0 else wished)
 
 
 def alpha(cell: float, elevation_range: float) -> float:

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from stepfield.errors import ScanError
 from stepfield.files import Digest, reason
 from stepfield.parameters import Parameters, Unit, Up
@@ -36,6 +38,9 @@ FORMATS = {
     ".stl": "mesh",
     ".off": "mesh",
 }
+
+#: Metres from the origin beyond which points are damage, whatever unit was forgotten.
+FARTHEST = 1e12
 
 
 def read_scan(
@@ -71,9 +76,17 @@ def read_scan(
 
 
 def open_scan(paths: Sequence[Path], parameters: Parameters, progress: Progress = silent) -> Scan:
-    """Read a scan and clean it as the parameters say."""
+    """Read a scan and clean it as the parameters say; raise ScanError when what is left is no scan."""
     unit = None if parameters.unit == "auto" else parameters.unit
-    return clean(read_scan(paths, unit, parameters.up, progress), parameters, progress)
+    scan = clean(read_scan(paths, unit, parameters.up, progress), parameters, progress)
+    farthest = float(np.abs(scan.bounds()).max())
+    if farthest > FARTHEST:
+        where = scan.files[0].name if len(scan.files) == 1 else "the scan"
+        raise ScanError(
+            f"{where}: has points {farthest:.2g} m away, which is damage; copy the file again, or keep its "
+            "true part with --crop"
+        )
+    return scan
 
 
 def _read(path: Path) -> tuple[Cloud, Digest]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
@@ -12,16 +13,18 @@ from stepfield.progress import Progress, silent
 from stepfield.scan.cloud import Numbers
 from stepfield.scan.scan import Scan
 
-#: Fewest neighbours within the radius that a point needs to stay (``outliers = radius``).
+#: Neighbours that a point needs within the radius (``outliers = radius``) ...
 FEWEST_NEIGHBOURS = 4
-#: The radius, in typical distances between neighbouring points.
-RADIUS_IN_SPACINGS = 4.0
-#: Points used to learn the typical distance.
-SPACING_SAMPLE = 20_000
-#: A group of at most this many points far above or below everything near it is isolated.
+#: ... which is this many times as far as nearly all points (``USUAL_SHARE``) have to go for them.
+RADIUS_FACTOR, USUAL_SHARE = 2.0, 0.95
+#: Points used to learn the radius.
+SAMPLE = 20_000
+#: Points of a neighbourhood up to which it is isolated (``outliers = isolated``) ...
 LARGEST_ISOLATED_GROUP = 3
-#: How far, in multiples of the middle 98 % of the elevations, isolated points stand off.
-ISOLATED_GAP = 0.25
+#: ... in boxes of this share of the usual elevation range, and at least so many times the usual spacing.
+BOX_SHARE, BOX_SPACINGS = 1 / 30, 2.0
+#: Boxes along a side at most: their numbers must fit 63 bits.
+MOST_BOXES = 1_000_000
 
 
 def clean(scan: Scan, parameters: Parameters, progress: Progress = silent) -> Scan:
@@ -59,39 +62,40 @@ def sparse_points(scan: Scan) -> Numbers:
     from scipy.spatial import KDTree  # takes longer to load than most runs need
 
     points = scan.points() - scan.bounds()[0]
-    tree = KDTree(points)
-    sample = points[:: max(1, len(points) // SPACING_SAMPLE)]
-    spacing = float(np.median(tree.query(sample, k=min(2, len(points)), workers=-1)[0][..., -1]))
-    neighbours = tree.query_ball_point(
-        points, RADIUS_IN_SPACINGS * spacing, return_length=True, workers=-1
-    )  # the point itself is one of them
-    return np.asarray(neighbours) <= FEWEST_NEIGHBOURS
+    if len(points) <= FEWEST_NEIGHBOURS:
+        return np.zeros(len(points), bool)
+    tree = KDTree(points, balanced_tree=False, compact_nodes=False)
+    place = FEWEST_NEIGHBOURS + 1  # the point itself is its own nearest
+    sample = points[:: max(1, len(points) // SAMPLE)]
+    usual = np.quantile(tree.query(sample, [place], workers=-1)[0], USUAL_SHARE)
+    radius = max(RADIUS_FACTOR * float(usual), np.finfo(float).tiny)
+    distance, _ = tree.query(points, [place], distance_upper_bound=radius, workers=-1)
+    sparse: Numbers = np.isinf(distance[:, 0])
+    return sparse
 
 
 def isolated_points(scan: Scan) -> Numbers:
-    """Mask of small groups of points far above or below all others near them (birds, reflections).
+    """Mask of the points that stand alone: birds, reflections below the ground, dust.
 
-    The plan is cut into coarse squares of about 100 points; within a square, at most
-    ``LARGEST_ISOLATED_GROUP`` lowest or highest points are isolated when a gap of
-    ``ISOLATED_GAP`` of the usual elevation range parts them from the rest.
+    Space is cut into boxes; a point is isolated when its own and the 26 boxes around hold no more than
+    ``LARGEST_ISOLATED_GROUP`` points.
     """
-    u, v, z = (axis.above_lowest() for axis in scan.axes)
-    low, high = np.percentile(z, [1, 99])
-    gap = ISOLATED_GAP * max(float(high - low), np.finfo(float).tiny)
-    side = np.sqrt(max(u.max(), 1e-9) * max(v.max(), 1e-9) * 100 / len(z))
-    square = np.floor(u / side) * (np.floor(v.max() / side) + 1) + np.floor(v / side)
-    order = np.lexsort((z, square))
-    first = np.flatnonzero(np.diff(square[order], prepend=-1.0))
-    last = np.append(first[1:], len(order))
-    stray = np.zeros(len(z), bool)
-    for reach in range(1, LARGEST_ISOLATED_GROUP + 1):
-        roomy = last - first > 2 * LARGEST_ISOLATED_GROUP
-        bottom, top = first[roomy] + reach, last[roomy] - reach
-        for group, edge in ((range(-reach, 0), bottom), (range(reach), top)):
-            apart = edge[z[order[edge]] - z[order[edge - 1]] > gap]
-            for step in group:
-                stray[order[apart + step]] = True
-    return stray
+    distances = [axis.above_lowest() for axis in scan.axes]
+    low, high = np.quantile(distances[2], [0.005, 0.995])
+    plan = max(float(distances[0].max() * distances[1].max()), 1e-12)
+    side = max(BOX_SHARE * float(high - low), BOX_SPACINGS * (plan / len(scan)) ** 0.5)
+    # A free box on every side keeps neighbours from wrapping round, and as few boxes as int64 can number.
+    side = max(side, max(float(d.max()) for d in distances) / MOST_BOXES)
+    x, y, z = ((distance / side).astype(np.int64) + 1 for distance in distances)
+    wide, high_boxes = int(y.max()) + 2, int(z.max()) + 2
+    box, at, held = np.unique((x * wide + y) * high_boxes + z, return_inverse=True, return_counts=True)
+    around = np.zeros(len(box), np.int64)
+    for dx, dy, dz in product((-1, 0, 1), repeat=3):
+        neighbour = box + (dx * wide + dy) * high_boxes + dz
+        place = np.minimum(np.searchsorted(box, neighbour), len(box) - 1)
+        around += np.where(box[place] == neighbour, held[place], 0)
+    isolated: Numbers = (around <= LARGEST_ISOLATED_GROUP)[at]
+    return isolated
 
 
 def _left(scan: Scan, what: str) -> Scan:

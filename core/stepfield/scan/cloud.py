@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 
 #: Points handled at once: small enough for the processor's cache.
 CHUNK = 1 << 15
+#: Greater numbers count as infinite: they are what damage makes of others, and their squares would be.
+GREATEST = 1e150
 
 
 @dataclass(frozen=True)
@@ -54,8 +56,8 @@ class Axis:
 
     @property
     def is_finite(self) -> bool:
-        """Whether no value is NaN or infinite: either would show in the smallest or the greatest."""
-        return not len(self) or bool(np.isfinite(self._ends).all())
+        """Whether no value is NaN, infinite or near it: each would show in the smallest or the greatest."""
+        return not len(self) or bool((np.abs(self._ends) <= GREATEST).all())
 
     def bounds(self) -> tuple[float, float]:
         """Smallest and greatest coordinate; the points must be at least one."""
@@ -107,7 +109,7 @@ class Cloud:
     crs : str or None
         Well-known text (WKT) of the coordinate reference system, if the file carries one.
     not_finite : int
-        Points dropped because a coordinate was NaN or infinite.
+        Points dropped because a coordinate was NaN, infinite or beyond :data:`GREATEST`.
     organised : bool
         True for a depth-camera frame (a full image of points), whose up axis is rarely z.
     warnings : tuple of str
@@ -140,7 +142,7 @@ def finite_cloud(
     x, y, z = (Axis(column) for column in coordinates)
     if x.is_finite and y.is_finite and z.is_finite:
         return Cloud((x, y, z), attributes, **facts)
-    keep = np.logical_and.reduce([np.isfinite(column) for column in coordinates])
+    keep = np.logical_and.reduce([np.abs(column) <= np.float64(GREATEST) for column in coordinates])
     attributes = {name: values[keep] for name, values in attributes.items()}
     dropped = int(len(keep) - np.count_nonzero(keep))
     return Cloud((x.take(keep), y.take(keep), z.take(keep)), attributes, not_finite=dropped, **facts)

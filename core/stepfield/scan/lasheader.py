@@ -6,13 +6,13 @@ points must cost nothing, and points behind an odd header are still worth having
 
 from __future__ import annotations
 
-import math
 import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import BinaryIO
 
 from stepfield.errors import ScanError
+from stepfield.scan.cloud import GREATEST
 
 #: Shortest header, that of LAS 1.0 to 1.2, and the length from which 64-bit counts are present (LAS 1.4).
 HEADER_LENGTH, WIDE_HEADER_LENGTH = 227, 375
@@ -101,7 +101,7 @@ def read_header(file: BinaryIO, name: str) -> Header:
 def _check_scaling(numbers: tuple[float, ...], name: str) -> None:
     """Refuse scales and offsets with which a coordinate could not be a finite number."""
     for axis, scale, offset in zip("xyz", numbers[:3], numbers[3:], strict=True):
-        if scale == 0 or not math.isfinite(abs(scale) * 2.0**31 + abs(offset)):
+        if scale == 0 or not abs(scale) * 2.0**31 + abs(offset) <= GREATEST:
             raise ScanError(
                 f"{name}: the LAS header scales {axis} by {scale:g} and shifts it by {offset:g}, which makes "
                 "no coordinate; export the file again"
