@@ -14,7 +14,8 @@ from PIL import Image
 import stepfield_resources
 from stepfield.errors import StackError
 from stepfield.parameters import Parameters
-from stepfield.pipeline import Pipeline, Reconstruction
+from stepfield.pipeline import Pipeline
+from stepfield.reconstruction import Reconstruction
 from stepfield.stack import Manifest, Stack, check_stack, write_stack
 
 

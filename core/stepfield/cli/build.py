@@ -9,9 +9,10 @@ from typing import Any
 from stepfield.cli.report import Reporter
 from stepfield.errors import ParameterError
 from stepfield.parameters import Parameters
-from stepfield.pipeline import Pipeline, Reconstruction
+from stepfield.pipeline import Pipeline
 from stepfield.progress import part
 from stepfield.project import Project
+from stepfield.reconstruction import Reconstruction
 from stepfield.stack import Manifest, write_stack
 
 

@@ -14,7 +14,7 @@ from stepfield.errors import StackError
 from stepfield.files import read_json
 from stepfield.layers import UNASSIGNED
 from stepfield.parameters import Frozen, Parameters, Unit, Up
-from stepfield.pipeline import Layer, Reconstruction
+from stepfield.reconstruction import Layer, Reconstruction
 from stepfield.validation import explain
 
 VERSION: Literal[1] = 1

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stepfield.pipeline import Layer, Reconstruction
 from stepfield.progress import Progress, silent
+from stepfield.reconstruction import Layer, Reconstruction
 from stepfield.stack.folder import new_folder
 from stepfield.stack.manifest import FILE_NAME, Manifest, describe, image_name, mask_name
 

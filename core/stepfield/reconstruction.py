@@ -1,0 +1,141 @@
+"""What the method makes of a scan: the layers, and all that led to them, from one set of parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.heightmap import Frame, GrayScale, HeightMap, draw
+from stepfield.layers import Layering
+from stepfield.moves import Outcome
+from stepfield.parameters import Parameters
+from stepfield.pillars import StepField
+from stepfield.scan import Scan
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One layer of the result: its pillars and how their heights become gray.
+
+    Attributes
+    ----------
+    index : int
+        0 is the lowest.
+    name : str
+    pillars : ndarray of shape (n,), int64
+        Indices into the step-field, in order of compartment.
+    elevation : ndarray of shape (n,), float64
+        Metres above the scan's lowest point.
+    alpha : float
+        Metres from there down to the base plane (Eq. 1).
+    white : float
+        The height that is white in the layer's image, metres.
+    """
+
+    index: int
+    name: str
+    pillars: Integers
+    elevation: Floats
+    alpha: float
+    white: float
+
+    @property
+    def heights(self) -> Floats:
+        """Heights above the base plane, shape (n,), metres."""
+        return self.elevation + self.alpha
+
+
+@dataclass(frozen=True)
+class Reconstruction:
+    """Everything made from one scan with one set of parameters and moves.
+
+    Attributes
+    ----------
+    scan : Scan
+        After cleaning.
+    parameters : Parameters
+        With every ``auto`` replaced by the number picked from the data (``max_layers`` stays as asked).
+    field : StepField
+    automatic, layering : Layering
+        Before and after the moves.
+    links, seams : ndarray of shape (n, 2), int64
+        Pairs of pillars.
+    outcomes : tuple of Outcome
+        One a move.
+    layers : tuple of Layer
+    base_elevation : float
+        Elevation of the base plane (Eq. 1), scan coordinates, metres.
+    max_height : float
+        Greatest height of the exported pillars (H_max of Eq. 2), metres.
+    frame : Frame
+        Size of the images.
+    """
+
+    scan: Scan
+    parameters: Parameters
+    field: StepField
+    automatic: Layering
+    layering: Layering
+    links: Integers
+    seams: Integers
+    outcomes: tuple[Outcome, ...]
+    layers: tuple[Layer, ...]
+    base_elevation: float
+    max_height: float
+    frame: Frame
+
+    def height_map(self, layer: Layer) -> HeightMap:
+        """Draw one layer (5.2); drawn on demand, as images of large grids would not fit side by side."""
+        grid, compartment = self.field.compartments.grid, self.field.compartment[layer.pillars]
+        return draw(grid, self.frame, compartment, layer.heights, self.scale(layer))
+
+    def scale(self, layer: Layer) -> GrayScale:
+        """How the heights of a layer become gray."""
+        return GrayScale(layer.white, self.parameters.bits)
+
+    def height_maps(self) -> Iterator[HeightMap]:
+        """Draw the layers one after the other, the lowest first."""
+        return (self.height_map(layer) for layer in self.layers)
+
+
+@dataclass(frozen=True)
+class Members:
+    """A layer before alpha is known: its pillars, their elevations, the greatest of them."""
+
+    pillars: Integers
+    elevation: Floats
+    greatest: float
+
+
+def members_of(field: StepField, layering: Layering) -> list[Members]:
+    """Cut the step-field into one step-field a layer (5.3.2)."""
+    chosen = [layering.members(index) for index in range(layering.count)]
+    elevations = [field.elevation[pillars] for pillars in chosen]
+    return [
+        Members(pillars, elevation, float(elevation.max(initial=0.0)))
+        for pillars, elevation in zip(chosen, elevations, strict=True)
+    ]
+
+
+def layers_of(
+    members: Sequence[Members], alpha: float, parameters: Parameters, names: dict[int, str]
+) -> tuple[Layer, ...]:
+    """Name the layers and say which height is white in each (5.2)."""
+    shared = max(member.greatest for member in members)
+    return tuple(
+        Layer(
+            index=index,
+            name=names.get(index, f"Layer {index + 1}"),
+            pillars=member.pillars,
+            elevation=member.elevation,
+            alpha=alpha,
+            white=alpha + (member.greatest if parameters.range == "layer" else shared),
+        )
+        for index, member in enumerate(members)
+    )
