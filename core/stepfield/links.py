@@ -50,8 +50,8 @@ def link(field: StepField, taking_part: NDArray[np.bool_], link_step: float) -> 
 
 def seams(links: Integers, layering: Layering) -> Integers:
     """Return the links whose two pillars are in different layers, shape (S, 2)."""
-    layer = layering.layer[links]
-    cut: Integers = links[(layer[:, 0] != layer[:, 1]) & (layer >= 0).all(axis=1)]
+    one, other = layering.layer[links[:, 0]], layering.layer[links[:, 1]]
+    cut: Integers = links[(one != other) & (one >= 0) & (other >= 0)]
     return cut
 
 
