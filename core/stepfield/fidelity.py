@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -37,28 +38,28 @@ class Fidelity:
     max: float
     explained: float
 
-    def as_dict(self) -> dict[str, float]:
-        """Return the figures by name."""
-        return asdict(self)
+    def as_dict(self) -> dict[str, float | None]:
+        """Return the figures by name; None for those that no point could tell, as JSON has no infinity."""
+        return {name: value if np.isfinite(value) else None for name, value in asdict(self).items()}
 
 
-def vertical(scan: Scan, grid: Grid, layers: Floats, tolerance: float) -> Fidelity:
+def vertical(scan: Scan, grid: Grid, layers: Iterable[Floats], tolerance: float) -> Fidelity:
     """Compare a scan with layers of elevations.
 
     Parameters
     ----------
     scan : Scan
     grid : Grid
-    layers : ndarray of shape (L, rows, columns)
-        Elevations in scan coordinates, metres; NaN in holes.
+    layers : iterable of ndarray of shape (rows, columns)
+        Elevations in scan coordinates, metres; NaN in holes. Taken one at a time.
     tolerance : float
         Metres within which a point counts as explained.
     """
-    flat = layers.reshape(len(layers), -1)
-    parts = [
-        _distances(scan, slice(start, start + CHUNK), grid, flat) for start in range(0, len(scan), CHUNK)
-    ]
-    distance = np.concatenate(parts)
+    distance = np.full(len(scan), np.inf)
+    for layer in layers:
+        for start in range(0, len(scan), CHUNK):
+            part = slice(start, start + CHUNK)
+            np.fmin(distance[part], _distances(scan, part, grid, layer), out=distance[part])
     known = distance[np.isfinite(distance)]
     if not len(known):
         return Fidelity(0, len(scan), np.inf, np.inf, np.inf, np.inf, 0.0)
@@ -73,16 +74,11 @@ def vertical(scan: Scan, grid: Grid, layers: Floats, tolerance: float) -> Fideli
     )
 
 
-def _distances(scan: Scan, part: slice, grid: Grid, flat: Floats) -> Floats:
-    """Distance of each point of a part to its nearest layer; infinite where there is none."""
+def _distances(scan: Scan, part: slice, grid: Grid, layer: Floats) -> Floats:
+    """Vertical distance of each point of a part to a layer; NaN where there is a hole or no grid."""
     east, north = scan.x.values(part) - grid.west, scan.y.values(part) - grid.south
-    at = grid.compartment(east, north)
-    z = scan.z.values(part)
-    nearest = np.full(len(z), np.inf)
-    for layer in flat:
-        np.fmin(nearest, np.abs(z - layer[at]), out=nearest)
-    side = grid.cell_size * 1e-6
+    distance: Floats = np.abs(scan.z.values(part) - layer.ravel()[grid.compartment(east, north)])
+    slack = grid.cell_size * 1e-6
     width, depth = grid.columns * grid.cell_size, grid.rows * grid.cell_size
-    beyond = (east < -side) | (north < -side) | (east > width + side) | (north > depth + side)
-    nearest[beyond] = np.inf
-    return nearest
+    distance[(east < -slack) | (north < -slack) | (east > width + slack) | (north > depth + slack)] = np.nan
+    return distance

@@ -111,7 +111,7 @@ def _against(stack: Stack, files: Sequence[Path], progress: Progress) -> tuple[F
     """Compare with the scan, cleaned as the manifest says."""
     manifest = stack.manifest
     scan = open_scan(files, manifest.parameters, progress)
-    layers = np.stack([stack.elevations(layer) for layer in manifest.layers])
+    layers = (stack.elevations(layer) for layer in manifest.layers)
     tolerance = manifest.parameters.layer_tolerance
     fidelity = vertical(scan, stack.grid, layers, tolerance if isinstance(tolerance, float) else np.inf)
     digests = [(file.name, file.sha256) for file in scan.files]
