@@ -20,6 +20,24 @@ def reason(error: OSError) -> str:
     return (error.strerror or str(error)).lower()
 
 
+def one_line(text: str) -> str:
+    """Return text with what a terminal would not print written out: damaged headers are quoted, too."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
+def storable(text: str) -> str:
+    """Return text that may hold bytes of a file name that are no UTF-8, as text that any file takes."""
+    return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+
+
+def hidden(name: str, kind: str = "") -> str:
+    """Return how hidden temporary names begin beside ``name``: of it, so much that they are not too long."""
+    beginning = os.fsencode(name)[:80].decode("utf-8", "ignore")
+    return f".{beginning}.{kind}"
+
+
 class Digest:
     """SHA-256 of a file, taken by a thread of its own while the file's points are put to use.
 
@@ -56,7 +74,7 @@ def write_atomically(path: Path, content: bytes, failure: type[StepfieldError]) 
     """Replace ``path`` by ``content`` in one step, so that the old file stays whole until then."""
     temporary: str | None = None
     try:
-        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name[:80]}.", dir=path.parent)
+        descriptor, temporary = tempfile.mkstemp(prefix=hidden(path.name), dir=path.parent)
         with os.fdopen(descriptor, "wb") as file:
             file.write(content)
             file.flush()

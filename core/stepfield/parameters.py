@@ -24,7 +24,8 @@ def _no_truth_values(value: Any) -> Any:
     return value
 
 
-Length = Annotated[float, BeforeValidator(_no_truth_values), Field(gt=0, allow_inf_nan=False)]
+#: Beyond a light hour nothing is scanned, and arithmetic with alpha must not overflow.
+Length = Annotated[float, BeforeValidator(_no_truth_values), Field(gt=0, le=1e12, allow_inf_nan=False)]
 Count = Annotated[int, BeforeValidator(_no_truth_values), Field(ge=1, le=1_000_000)]
 Coordinate = Annotated[float, Field(allow_inf_nan=False)]
 ClassCode = Annotated[int, Field(ge=0, le=255)]

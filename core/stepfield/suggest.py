@@ -38,6 +38,8 @@ def cell_size(scan: Scan) -> float:
         return 1.0
     square = longest / MOST_ALONG
     counts = _counts((east - west) / square, (north - south) / square)
+    if not counts.any():  # so few points that none is usual
+        return rounded(longest / FEWEST_ALONG)
     return rounded(min(_side_holding(POINTS_A_COMPARTMENT, counts) * square, longest / FEWEST_ALONG))
 
 

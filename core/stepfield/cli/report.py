@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from stepfield.files import one_line
 from stepfield.progress import Progress, silent
 
 
@@ -25,7 +26,7 @@ class Reporter:
     @staticmethod
     def warn(sentence: str) -> None:
         """Show something the operator should know."""
-        sys.stderr.write(f"warning: {sentence}\n")
+        sys.stderr.write(f"warning: {one_line(sentence)}\n")
 
     @staticmethod
     @contextlib.contextmanager

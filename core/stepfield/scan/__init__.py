@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from stepfield.errors import ScanError
-from stepfield.files import Digest, reason
+from stepfield.files import Digest, reason, storable
 from stepfield.parameters import Parameters, Unit, Up
 from stepfield.progress import Progress, silent
 from stepfield.scan.cleaning import clean
@@ -70,9 +70,10 @@ def read_scan(
         progress(done / len(paths), f"reading {path.name}")
         cloud, digest = _read(Path(path))
         clouds.append(cloud)
-        files.append(SourceFile(path.name, len(cloud), digest))
+        files.append(SourceFile(storable(path.name), len(cloud), digest))
     scan = joined(clouds, files, unit, up)
-    return replace(scan, warnings=scan.warnings + _advice(scan, unit))
+    warnings = tuple(storable(warning) for warning in scan.warnings)
+    return replace(scan, warnings=warnings + _advice(scan, unit))
 
 
 def open_scan(paths: Sequence[Path], parameters: Parameters, progress: Progress = silent) -> Scan:
@@ -91,19 +92,25 @@ def open_scan(paths: Sequence[Path], parameters: Parameters, progress: Progress 
 
 def _read(path: Path) -> tuple[Cloud, Digest]:
     """Read one file and begin to take its digest."""
-    if path.suffix.lower() not in FORMATS:
-        known = " ".join(sorted(FORMATS))
-        raise ScanError(f"{path.name}: unknown kind of file; Stepfield reads {known}")
     try:
+        if not path.is_dir() and path.suffix.lower() not in FORMATS:
+            known = " ".join(sorted(FORMATS))
+            raise ScanError(f"{path.name}: unknown kind of file; Stepfield reads {known}")
         if not path.is_file():
-            problem = "is a folder, not a scan" if path.is_dir() else "there is no such file"
-            raise ScanError(f"{path}: {problem}; check the name")
+            raise ScanError(f"{path}: {_no_file(path)}; check the name")
         digest = Digest(path)
         return _reader(path)(path), digest
     except OSError as error:
         raise ScanError(f"{path}: cannot be read ({reason(error)}); check the file") from None
     except MemoryError:
         raise ScanError(f"{path.name}: too large for this machine's memory; crop or split it") from None
+
+
+def _no_file(path: Path) -> str:
+    """Say what there is in place of a file; reading a device or a pipe might never end."""
+    if path.is_dir():
+        return "is a folder, not a scan"
+    return "is a device or a pipe, not a file" if path.exists() else "there is no such file"
 
 
 def _reader(path: Path) -> Reader:

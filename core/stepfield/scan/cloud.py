@@ -52,7 +52,8 @@ class Axis:
         """Smallest and greatest raw value; looked up once, as clouds are large and often strided."""
         chunks = (np.ascontiguousarray(self.raw[at : at + CHUNK]) for at in range(0, len(self.raw), CHUNK))
         lows, highs = zip(*((chunk.min(), chunk.max()) for chunk in chunks), strict=True)
-        return np.array([np.min(lows), np.max(highs)], np.float64)
+        with np.errstate(invalid="ignore"):  # a NaN of the signalling kind, which only damage makes
+            return np.array([np.min(lows), np.max(highs)], np.float64)
 
     @property
     def is_finite(self) -> bool:
@@ -142,7 +143,8 @@ def finite_cloud(
     x, y, z = (Axis(column) for column in coordinates)
     if x.is_finite and y.is_finite and z.is_finite:
         return Cloud((x, y, z), attributes, **facts)
-    keep = np.logical_and.reduce([np.abs(column) <= np.float64(GREATEST) for column in coordinates])
+    with np.errstate(invalid="ignore"):  # as above
+        keep = np.logical_and.reduce([np.abs(column) <= np.float64(GREATEST) for column in coordinates])
     attributes = {name: values[keep] for name, values in attributes.items()}
     dropped = int(len(keep) - np.count_nonzero(keep))
     return Cloud((x.take(keep), y.take(keep), z.take(keep)), attributes, not_finite=dropped, **facts)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from stepfield.errors import ScanError
-from stepfield.files import reason
+from stepfield.files import one_line, reason
 from stepfield.scan.cloud import Cloud, Numbers, Reader, finite_cloud
 
 Columns = Mapping[str, Numbers]
@@ -122,12 +122,14 @@ def _byte(channel: Numbers, gain: float) -> Numbers:
 
 
 def in_one_sentence(read: Reader) -> Reader:
-    """Turn the operating system's refusals inside a reader into its one-sentence error."""
+    """Turn the operating system's refusals inside a reader into its error, and that into one line."""
 
     @functools.wraps(read)
     def guarded(path: Path) -> Cloud:
         try:
             return read(path)
+        except ScanError as error:
+            raise ScanError(one_line(str(error))) from error
         except OSError as error:
             raise ScanError(f"{path.name}: cannot be read ({reason(error)}); check the file") from error
         except MemoryError as error:

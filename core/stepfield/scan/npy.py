@@ -22,6 +22,8 @@ from stepfield.scan.columns import cloud_of, in_one_sentence, plain, shortened
 _NAMES = ("points", "xyz", "pos")
 #: Deflate cannot pack tighter: a member that claims more is lying.
 _DENSEST = 1032
+#: Far more than NumPy itself takes.
+_LONGEST_HEADER = 1 << 16
 _DAMAGE = (
     *(ValueError, TypeError, KeyError, IndexError, EOFError, SyntaxError, RecursionError, RuntimeError),
     *(OverflowError, struct.error, tokenize.TokenError, zipfile.BadZipFile, zlib.error, lzma.LZMAError),
@@ -71,6 +73,11 @@ def _array(file: BinaryIO, size: int) -> tuple[Numbers, int]:
 
 def _header(file: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype[np.generic]]:
     version = npy_format.read_magic(file)
+    start = file.tell()
+    length = int.from_bytes(file.read(2 if version == (1, 0) else 4), "little")
+    if length > _LONGEST_HEADER:  # room for all of it would be taken before it is read
+        raise ValueError(f"its header claims {length} bytes")
+    file.seek(start)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # about headers written by Python 2, which read well
         read = npy_format.read_array_header_1_0 if version == (1, 0) else npy_format.read_array_header_2_0
