@@ -124,10 +124,9 @@ def layer_count(
 def strongest(field: StepField, enough: NDArray[np.bool_], count: int) -> Integers:
     """Indices of the at most ``count`` pillars a compartment keeps: most points first, ties to the lower."""
     chosen = np.flatnonzero(enough)
-    compartment = field.compartment[chosen]
-    held = np.bincount(np.searchsorted(field.compartments.occupied, compartment))
-    if not len(held) or held.max() <= count:
+    if np.add.reduceat(enough, field.first[:-1], dtype=np.int64).max() <= count:
         return chosen
+    compartment = field.compartment[chosen]
     order = np.lexsort((field.rank[chosen], -field.points[chosen], compartment))
     starts = np.flatnonzero(np.diff(compartment[order], prepend=-1))
     place = np.arange(len(order)) - np.repeat(starts, np.diff(np.append(starts, len(order))))

@@ -41,16 +41,12 @@ class Parts:
     below : ndarray of shape (F + 1,), uint64
         Sum of the ticks of all parts before each part; the last entry is the sum of all. Below 2^64 for
         four thousand million points.
-    low, high : ndarray of shape (F,), uint32
-        Lowest and highest tick of each part.
     """
 
     finest: int
     start: Integers
     gap: NDArray[np.uint64]
     below: NDArray[np.uint64]
-    low: Ticks
-    high: Ticks
 
     def wider_than(self, gap: int) -> Integers:
         """Indices of the parts that begin a pillar when only gaps wider than ``gap`` ticks part."""
@@ -91,8 +87,7 @@ def part(ticks: Ticks, bottoms: Integers, finest: int, pool: Executor) -> Parts:
         return np.flatnonzero(parted) + first
 
     start = np.concatenate(list(pool.map(starts, range(0, len(ticks), BATCH))))
-    low, high = ticks[start], np.roll(ticks[start - 1], -1)
-    gap = (low - np.roll(high, 1)).astype(np.uint64)
+    gap = (ticks[start] - ticks[start - 1]).astype(np.uint64)
     gap[np.searchsorted(start, bottoms[:-1])] = BOTTOM
     cuts = [*range(0, len(start), BATCH // POINTS_A_PART), len(start)]
     ends = np.append(start, len(ticks))
@@ -102,4 +97,4 @@ def part(ticks: Ticks, bottoms: Integers, finest: int, pool: Executor) -> Parts:
         return np.add.reduceat(mine, start[low:high] - start[low], dtype=np.uint64)
 
     below = np.cumsum(np.concatenate([[np.uint64(0)], *pool.map(sums, cuts[:-1], cuts[1:])]))
-    return Parts(finest, ends, gap, below, low, high)
+    return Parts(finest, ends, gap, below)

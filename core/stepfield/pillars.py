@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -32,8 +33,6 @@ class StepField:
         Number of the compartment each pillar stands in.
     first : ndarray of shape (C + 1,), int64
         Index of the first pillar of each occupied compartment; the last entry is P.
-    low, high : ndarray of shape (P,), float64
-        Lowest and highest point of each pillar.
     elevation : ndarray of shape (P,), float64
         The pillar's top by the chosen statistic, before alpha.
     """
@@ -42,8 +41,6 @@ class StepField:
     start: Integers
     compartment: Integers
     first: Integers
-    low: Floats
-    high: Floats
     elevation: Floats
 
     def __len__(self) -> int:
@@ -53,6 +50,16 @@ class StepField:
     def points(self) -> Integers:
         """Number of points in each pillar, shape (P,)."""
         return np.diff(self.start)
+
+    @cached_property
+    def low(self) -> Floats:
+        """Lowest point of each pillar, shape (P,)."""
+        return self.compartments.ticks[self.start[:-1]] * np.float64(self.compartments.tick)
+
+    @cached_property
+    def high(self) -> Floats:
+        """Highest point of each pillar, shape (P,)."""
+        return self.compartments.ticks[self.start[1:] - 1] * np.float64(self.compartments.tick)
 
     @property
     def rank(self) -> Integers:
@@ -87,15 +94,13 @@ def build_pillars(
     start = np.append(parts.start[chosen], len(ticks))
     first = np.append(np.flatnonzero(parts.gap[chosen] == BOTTOM), len(chosen))
     compartment = np.repeat(compartments.occupied, np.diff(first))
-    low = parts.low[chosen].astype(np.float64) * tick
-    high = parts.high[np.append(chosen[1:], len(parts.gap)) - 1].astype(np.float64) * tick
     if statistic == "mean":
         elevation = np.diff(parts.below[np.append(chosen, len(parts.gap))]) / np.diff(start) * tick
     else:
         elevation = _quantile(ticks, start, {"max": 1.0, "median": 0.5, "p90": 0.9}[statistic]) * tick
-    for array in (start, compartment, first, low, high, elevation):
+    for array in (start, compartment, first, elevation):
         array.flags.writeable = False
-    return StepField(compartments, start, compartment, first, low, high, elevation)
+    return StepField(compartments, start, compartment, first, elevation)
 
 
 def _quantile(ticks: NDArray[np.uint32], start: Integers, share: float) -> Floats:

@@ -16,7 +16,8 @@ from stepfield.errors import StackError
 from stepfield.parameters import Parameters
 from stepfield.pipeline import Pipeline
 from stepfield.reconstruction import Reconstruction
-from stepfield.stack import Manifest, Stack, check_stack, write_stack
+from stepfield.stack import Manifest, Stack, write_stack
+from stepfield.stack.check import check_stack
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,8 @@ from stepfield.errors import ScanError, StepfieldError
 from stepfield.files import Digest
 from stepfield.grid import Grid
 from stepfield.scan import read_scan
-from stepfield.stack import Stack, check_stack
+from stepfield.stack import Stack
+from stepfield.stack.check import check_stack
 from stepfield.stack.folder import STALE
 
 #: A build of many small compartments of noise: hundreds of kilobytes of images.

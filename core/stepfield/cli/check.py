@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from stepfield.cli.report import Reporter
-from stepfield.stack import Report, check_stack
+from stepfield.stack.check import Report, check_stack
 
 
 def check_folder(folder: Path, scan: Sequence[Path], reporter: Reporter) -> int:
