@@ -12,7 +12,7 @@ import numpy as np
 from stepfield.errors import ScanError
 from stepfield.files import Digest, reason, storable
 from stepfield.parameters import Parameters, Unit, Up
-from stepfield.progress import Progress, silent
+from stepfield.progress import Progress, part, silent
 from stepfield.scan.cleaning import clean
 from stepfield.scan.cloud import Axis, Cloud, Reader
 from stepfield.scan.scan import Scan, SourceFile, joined
@@ -68,7 +68,7 @@ def read_scan(
     clouds, files = [], []
     for done, path in enumerate(paths):
         progress(done / len(paths), f"reading {path.name}")
-        cloud, digest = _read(Path(path))
+        cloud, digest = _read(Path(path), part(progress, done / len(paths), (done + 1) / len(paths)))
         clouds.append(cloud)
         files.append(SourceFile(storable(path.name), len(cloud), digest))
     scan = joined(clouds, files, unit, up)
@@ -90,7 +90,7 @@ def open_scan(paths: Sequence[Path], parameters: Parameters, progress: Progress 
     return scan
 
 
-def _read(path: Path) -> tuple[Cloud, Digest]:
+def _read(path: Path, progress: Progress) -> tuple[Cloud, Digest]:
     """Read one file and begin to take its digest."""
     try:
         if not path.is_dir() and path.suffix.lower() not in FORMATS:
@@ -99,7 +99,7 @@ def _read(path: Path) -> tuple[Cloud, Digest]:
         if not path.is_file():
             raise ScanError(f"{path}: {_no_file(path)}; check the name")
         digest = Digest(path)
-        return _reader(path)(path), digest
+        return _reader(path)(path, progress), digest
     except OSError as error:
         raise ScanError(f"{path}: cannot be read ({reason(error)}); check the file") from None
     except MemoryError:

@@ -6,10 +6,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from stepfield.progress import Progress, silent
 
 Numbers = NDArray[Any]
 Floats = NDArray[np.float64]
@@ -129,8 +131,11 @@ class Cloud:
         return len(self.axes[0])
 
 
-#: Every format module offers ``read(path) -> Cloud``, raising ScanError in one sentence.
-Reader = Callable[[Path], Cloud]
+class Reader(Protocol):
+    """What every format module offers as ``read``."""
+
+    def __call__(self, path: Path, progress: Progress = silent) -> Cloud:
+        """Read a file, raising ScanError in one sentence; formats read at one go report no progress."""
 
 
 def finite_cloud(

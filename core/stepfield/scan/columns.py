@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Container, Mapping
+from collections.abc import Callable, Container, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from stepfield.errors import ScanError
 from stepfield.files import one_line, reason
+from stepfield.progress import Progress, silent
 from stepfield.scan.cloud import Cloud, Numbers, Reader, finite_cloud
 
 Columns = Mapping[str, Numbers]
@@ -121,13 +122,13 @@ def _byte(channel: Numbers, gain: float) -> Numbers:
     return whole.astype(np.uint8)
 
 
-def in_one_sentence(read: Reader) -> Reader:
+def in_one_sentence(read: Callable[[Path, Progress], Cloud]) -> Reader:
     """Turn the operating system's refusals inside a reader into its error, and that into one line."""
 
     @functools.wraps(read)
-    def guarded(path: Path) -> Cloud:
+    def guarded(path: Path, progress: Progress = silent) -> Cloud:
         try:
-            return read(path)
+            return read(path, progress)
         except ScanError as error:
             raise ScanError(one_line(str(error))) from error
         except OSError as error:

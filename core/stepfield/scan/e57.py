@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from stepfield.errors import ScanError
+from stepfield.progress import Progress
 from stepfield.scan import crs
 from stepfield.scan.cloud import Cloud, Floats, Numbers, finite_cloud
 from stepfield.scan.columns import in_one_sentence, shortened
@@ -32,12 +33,13 @@ _COLOURS = ("colorRed", "colorGreen", "colorBlue")
 
 
 @in_one_sentence
-def read(path: Path) -> Cloud:
+def read(path: Path, progress: Progress) -> Cloud:
     """Read all scans of an E57 file.
 
     Parameters
     ----------
     path : Path
+    progress : Progress
 
     Returns
     -------
@@ -53,7 +55,7 @@ def read(path: Path) -> Cloud:
     _check_header(path)
     with _sentences(path.name), _opened(path) as image:
         scans = [_scan(node, path) for node in _scan_nodes(image.root())]
-        return _cloud(image, [scan for scan in scans if scan is not None], path)
+        return _cloud(image, [scan for scan in scans if scan is not None], path, progress)
 
 
 @contextmanager
@@ -176,7 +178,7 @@ def _number(node: Any, path: Sequence[str], default: float) -> float:
     return float(node.scaledValue() if hasattr(node, "scaledValue") else node.value())
 
 
-def _cloud(image: Any, scans: Sequence[_Scan], path: Path) -> Cloud:
+def _cloud(image: Any, scans: Sequence[_Scan], path: Path, progress: Progress) -> Cloud:
     """Read the scans one behind the other into shared columns."""
     promised = sum(scan.count for scan in scans)
     if not promised:
@@ -193,6 +195,7 @@ def _cloud(image: Any, scans: Sequence[_Scan], path: Path) -> Cloud:
             for key, values in block.items():
                 columns[key][part] = values
             filled = part.stop
+            progress(filled / promised, f"reading {path.name}")
     columns = {key: values[:filled] for key, values in columns.items()}
     axes = (columns.pop("x"), columns.pop("y"), columns.pop("z"))
     warnings = () if filled == promised else (shortened(path, filled, promised),)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.errors import ScanError
+from stepfield.progress import Progress
 from stepfield.scan import crs, lasheader, laz
 from stepfield.scan.cloud import Axis, Cloud, Numbers
 from stepfield.scan.columns import in_one_sentence, shortened
@@ -26,12 +27,13 @@ _LEGACY_CLASSES = 0b11111  # formats 0 to 5 keep flags in the upper three bits
 
 
 @in_one_sentence
-def read(path: Path) -> Cloud:
+def read(path: Path, progress: Progress) -> Cloud:
     """Read the points of a LAS or LAZ file.
 
     Parameters
     ----------
     path : Path
+    progress : Progress
 
     Returns
     -------
@@ -45,15 +47,16 @@ def read(path: Path) -> Cloud:
         The file cannot be read or holds no points.
     """
     with path.open("rb") as file:
-        return _read(file, path)
+        return _read(file, path, progress)
 
 
-def _read(file: BinaryIO, path: Path) -> Cloud:
+def _read(file: BinaryIO, path: Path, progress: Progress) -> Cloud:
     name = path.name
     header = lasheader.read_header(file, name)
     columns = _Columns(header)
     for block in laz.blocks(file, header, name) if header.compressed else _blocks(file, header):
         columns.append(block)
+        progress(min(1.0, columns.filled / max(1, header.count)), f"reading {name}")
     if not columns.filled:
         raise ScanError(f"{name}: holds no points{_promise(header)}; choose another file or export it again")
     reference = _reference(header)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from stepfield.errors import ScanError
+from stepfield.progress import Progress
 from stepfield.scan.cloud import Cloud, Numbers
 from stepfield.scan.columns import cloud_of, in_one_sentence, shortened
 from stepfield.scan.numbers import BLOCK, Growing, first_rows, read_rows, read_table
@@ -22,7 +23,7 @@ _STL_FACET = packed([("<f4", 3), *[("<f4", 1)] * 9, ("<u2", 1)])
 
 
 @in_one_sentence
-def read(path: Path) -> Cloud:
+def read(path: Path, progress: Progress) -> Cloud:
     """Read the vertices of a mesh, by the kind its name ends in.
 
     Raises

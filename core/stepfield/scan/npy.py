@@ -16,6 +16,7 @@ import numpy as np
 from numpy.lib import format as npy_format
 
 from stepfield.errors import ScanError
+from stepfield.progress import Progress
 from stepfield.scan.cloud import Cloud, Numbers
 from stepfield.scan.columns import cloud_of, in_one_sentence, plain, shortened
 
@@ -31,7 +32,7 @@ _DAMAGE = (
 
 
 @in_one_sentence
-def read(path: Path) -> Cloud:
+def read(path: Path, progress: Progress) -> Cloud:
     """Read an array of points, or of records with x, y and z.
 
     Raises

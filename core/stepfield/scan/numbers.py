@@ -17,6 +17,7 @@ from typing import BinaryIO
 import numpy as np
 
 from stepfield.errors import ScanError
+from stepfield.progress import Progress, silent
 from stepfield.scan.rows import BadRowError, Layout, Table, is_comment, kept, parse
 
 #: Bytes parsed at a time; also the longest line that is believed.
@@ -24,7 +25,9 @@ BLOCK = 8 << 20
 _WORKERS = min(4, os.cpu_count() or 1)
 
 
-def read_table(path: Path, start: int, layout: Layout, limit: int | None = None) -> Table:
+def read_table(
+    path: Path, start: int, layout: Layout, limit: int | None = None, progress: Progress = silent
+) -> Table:
     """Read rows of numbers from byte ``start`` to the end of the file, or ``limit`` rows.
 
     Raises
@@ -38,6 +41,7 @@ def read_table(path: Path, start: int, layout: Layout, limit: int | None = None)
         for block, parsed in _parsed(_Lines(file, start, limit), layout, growing, limit):
             try:
                 growing.add(parsed.result(), size / len(block.text))
+                progress(min(1.0, file.tell() / (start + size)), f"reading {path.name}")
             except BadRowError as bad:
                 raise _named(path, block.at, bad) from bad
     return growing.table(limit)

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from stepfield.errors import ScanError
+from stepfield.progress import Progress
 from stepfield.scan import text
 from stepfield.scan.cloud import Cloud, Numbers
 from stepfield.scan.columns import USEFUL, cloud_of, in_one_sentence, require_xyz, shortened
@@ -27,7 +28,7 @@ _PACKED = ("rgb", "rgba")
 
 
 @in_one_sentence
-def read(path: Path) -> Cloud:
+def read(path: Path, progress: Progress) -> Cloud:
     """Read a PCD file; one without a header is read as text.
 
     Raises
@@ -37,11 +38,14 @@ def read(path: Path) -> Cloud:
     """
     header = read_header(path)
     if header is None:
-        return text.read(path)
+        return text.read(path, progress)
     places = _places(path, header.fields)
-    columns, found = {"ascii": _ascii, "binary": _binary, "binary_compressed": _compressed}[header.data](
-        path, header, places
-    )
+    if header.data == "ascii":
+        columns, found = _ascii(path, header, places, progress)
+    else:
+        columns, found = {"binary": _binary, "binary_compressed": _compressed}[header.data](
+            path, header, places
+        )
     warnings = () if found == header.points else (shortened(path, found, header.points),)
     _unpack_colours(columns)
     return cloud_of(path, columns, "fields", organised=header.height > 1, warnings=warnings)
@@ -56,13 +60,15 @@ def _places(path: Path, fields: list[Field]) -> dict[str, int]:
     return {name: names.index(name) for name in chosen if fields[names.index(name)].count}
 
 
-def _ascii(path: Path, header: Header, places: dict[str, int]) -> tuple[dict[str, Numbers], int]:
+def _ascii(
+    path: Path, header: Header, places: dict[str, int], progress: Progress
+) -> tuple[dict[str, Numbers], int]:
     """Read rows of text, in float64 whatever the header says: the digits are there to be kept."""
     first = np.cumsum([0, *(field.count for field in header.fields)])
     wanted = tuple(int(first[place]) for place in places.values())
     layout = layout_of(first_rows(path, header.offset)[:1], wanted)
     layout = replace(layout, exact=len(wanted))  # float32 would blur a packed colour
-    table = read_table(path, header.offset, layout, header.points)
+    table = read_table(path, header.offset, layout, header.points, progress)
     return dict(zip(places, table.columns, strict=True)), len(table)
 
 

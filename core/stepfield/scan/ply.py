@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from stepfield.errors import ScanError
+from stepfield.progress import Progress
 from stepfield.scan.cloud import Cloud, Numbers
 from stepfield.scan.columns import USEFUL, cloud_of, in_one_sentence, require_xyz, shortened
 from stepfield.scan.numbers import first_rows, read_table
@@ -16,7 +17,7 @@ from stepfield.scan.rows import layout_of
 
 
 @in_one_sentence
-def read(path: Path) -> Cloud:
+def read(path: Path, progress: Progress) -> Cloud:
     """Read the vertices of a PLY file.
 
     Raises
@@ -29,7 +30,7 @@ def read(path: Path) -> Cloud:
     if header.order:
         columns, found = _binary(path, header, vertex)
     else:
-        columns, found = _ascii(path, header, vertex)
+        columns, found = _ascii(path, header, vertex, progress)
     warnings = () if found == vertex.count else (shortened(path, found, vertex.count, "vertices"),)
     return cloud_of(path, columns, "vertices", warnings=warnings)
 
@@ -55,7 +56,7 @@ def _places(vertex: Element) -> dict[str, int]:
 # ------------------------------------------------------------------------------------------------ ascii
 
 
-def _ascii(path: Path, header: Header, vertex: Element) -> tuple[dict[str, Numbers], int]:
+def _ascii(path: Path, header: Header, vertex: Element, progress: Progress) -> tuple[dict[str, Numbers], int]:
     """Read the rows of the vertices; every record of every element is one line."""
     start = header.offset
     for element in header.elements[: header.elements.index(vertex)]:
@@ -64,7 +65,7 @@ def _ascii(path: Path, header: Header, vertex: Element) -> tuple[dict[str, Numbe
     if any(p.length for p in vertex.properties[: max(places.values())]):
         return _ascii_with_lists(path, start, vertex, places)
     layout = layout_of(first_rows(path, start)[:1], tuple(places.values()))
-    table = read_table(path, start, layout, vertex.count)
+    table = read_table(path, start, layout, vertex.count, progress)
     columns = dict(zip(places, table.columns, strict=True))
     return {name: _as_declared(vertex, places[name], columns[name]) for name in columns}, len(table)
 

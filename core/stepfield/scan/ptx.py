@@ -15,6 +15,7 @@ from typing import BinaryIO
 import numpy as np
 
 from stepfield.errors import ScanError
+from stepfield.progress import Progress
 from stepfield.scan.cloud import Cloud, Floats, Numbers
 from stepfield.scan.columns import cloud_of, in_one_sentence, shortened
 from stepfield.scan.numbers import read_table
@@ -45,12 +46,13 @@ class _Header:
 
 
 @in_one_sentence
-def read(path: Path) -> Cloud:
+def read(path: Path, progress: Progress) -> Cloud:
     """Read all scans of a PTX file.
 
     Parameters
     ----------
     path : Path
+    progress : Progress
 
     Returns
     -------
@@ -67,6 +69,7 @@ def read(path: Path) -> Cloud:
     found = promised = 0
     with path.open("rb") as file:
         for header in _headers(file, path):
+            progress(header.start / path.stat().st_size, f"reading {path.name}")
             columns = _columns(path, header)
             scans.append(columns)
             found, promised = found + len(columns["x"]), promised + header.beams

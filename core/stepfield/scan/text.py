@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from stepfield.errors import ScanError
+from stepfield.progress import Progress
 from stepfield.scan.cloud import Cloud, Numbers
 from stepfield.scan.columns import USEFUL, cloud_of, in_one_sentence, plain
 from stepfield.scan.numbers import first_rows, read_table
@@ -32,7 +33,7 @@ class Head:
 
 
 @in_one_sentence
-def read(path: Path) -> Cloud:
+def read(path: Path, progress: Progress) -> Cloud:
     """Read a text cloud.
 
     Raises
@@ -46,7 +47,7 @@ def read(path: Path) -> Cloud:
         raise ScanError(f"{path.name}: holds no points (no row of numbers); choose a file of x y z rows")
     places, warnings = _places(path, head.names, rows)
     layout = _layout(path, rows, places)
-    table = read_table(path, head.start, layout)
+    table = read_table(path, head.start, layout, progress=progress)
     columns = _columns(table, places, path.suffix.lower() == ".pts" or bool(head.names))
     warnings += _remarks(path, head, table, layout)
     return cloud_of(path, columns, "rows", warnings=tuple(warnings))

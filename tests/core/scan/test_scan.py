@@ -9,11 +9,12 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from stepfield.errors import ScanError
+from stepfield.errors import Cancelled, ScanError
 from stepfield.parameters import METRES, Unit, Up
 from stepfield.scan import FORMATS, read_scan
 from stepfield.scan.cloud import Axis, Cloud
 from stepfield.scan.scan import joined
+from stepfield.scan.write import write
 
 POINTS = np.array([[1.0, 2.0, 3.0], [4.0, 6.0, 8.0], [-1.0, 0.5, 2.5]])
 
@@ -110,3 +111,20 @@ def test_the_ends_of_a_long_strided_column_are_found_in_every_chunk() -> None:
     assert column.is_finite
     table[99_999, 1] = np.nan
     assert not Axis(table[:, 1]).is_finite
+
+
+@pytest.mark.parametrize("suffix", [".las", ".laz", ".e57", ".xyz"])
+def test_reading_a_large_file_can_be_stopped_on_the_way(tmp_path: Path, suffix: str) -> None:
+    """Without it, Cancel would do nothing for as long as the slowest formats take."""
+    path = tmp_path / f"large{suffix}"
+    write(path, np.random.default_rng(3).random((1_500_000, 3)).round(3), {})
+    shares: list[float] = []
+
+    def stop(share: float, what: str) -> None:
+        shares.append(share)
+        if share > 0:
+            raise Cancelled
+
+    with pytest.raises(Cancelled):
+        read_scan([path], progress=stop)
+    assert 0 < shares[-1] < 1
