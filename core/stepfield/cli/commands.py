@@ -24,8 +24,8 @@ Scans = Annotated[
 MaybeScans = Annotated[
     list[Path] | None, typer.Argument(metavar="[SCAN...]", help="Files of one scan.", show_default=False)
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
-Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of a failure.")]
+AsJson = Annotated[bool, typer.Option("--json", metavar="", help="Print one JSON object.")]
+Debug = Annotated[bool, typer.Option("--debug", metavar="", help="Show the traceback of a failure.")]
 
 
 def _version(wanted: bool) -> None:
@@ -37,7 +37,8 @@ def _version(wanted: bool) -> None:
 @application.callback()
 def stepfield_command(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+        bool,
+        typer.Option("--version", metavar="", callback=_version, is_eager=True, help="Show the version."),
     ] = False,
 ) -> None:
     """Hold what all commands share."""
@@ -53,7 +54,9 @@ def build(
     project: Annotated[
         Path | None, typer.Option("--project", metavar="FILE", help="Project file in place of scans.")
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an older stack.")] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", metavar="", help="Replace an older stack.")
+    ] = False,
     as_json: AsJson = False,
     debug: Debug = False,
     *,
@@ -91,7 +94,7 @@ def synth(
     ] = None,
     seed: Annotated[int, typer.Option(metavar="N", help="Another number, another cloud.")] = 0,
     scanner: Annotated[
-        bool, typer.Option("--scanner", help="See the scene as a laser scanner would.")
+        bool, typer.Option("--scanner", metavar="", help="See the scene as a laser scanner would.")
     ] = False,
     as_json: AsJson = False,
     debug: Debug = False,

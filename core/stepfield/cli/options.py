@@ -22,28 +22,28 @@ def _option(flag: str, metavar: str, text: str) -> Any:
 
 #: Name in JSON, and the option that sets it.
 OPTIONS: dict[str, Any] = {
-    "cell_size": _option("--cell", "M|auto", "Side of a compartment in metres. [default: auto]"),
-    "alpha": _option("--alpha", "M|auto", "Distance of the base plane below the scan. [default: auto]"),
+    "cell_size": _option("--cell", "M|auto", "Side of a compartment in metres. (default: auto)"),
+    "alpha": _option("--alpha", "M|auto", "Distance of the base plane below the scan. (default: auto)"),
     "layer_tolerance": _option(
-        "--tolerance", "M|auto", "Vertical gap that parts two pillars. [default: auto]"
+        "--tolerance", "M|auto", "Vertical gap that parts two pillars. (default: auto)"
     ),
-    "layering": _option("--layering", "rank|elevation", "How pillars get layers. [default: elevation]"),
-    "pillar_height": _option("--pillar-height", "mean|max|median|p90", "Height of a pillar. [default: mean]"),
-    "min_points": _option("--min-points", "N", "Pillars of fewer points are left out. [default: 1]"),
-    "max_layers": _option("--max-layers", "auto|none|N", "At most this many layers. [default: auto]"),
+    "layering": _option("--layering", "rank|elevation", "How pillars get layers. (default: elevation)"),
+    "pillar_height": _option("--pillar-height", "mean|max|median|p90", "Height of a pillar. (default: mean)"),
+    "min_points": _option("--min-points", "N", "Pillars of fewer points are left out. (default: 1)"),
+    "max_layers": _option("--max-layers", "auto|none|N", "At most this many layers. (default: auto)"),
     "link_step": _option(
-        "--link-step", "M|auto", "Step that still joins neighbours. [default: the tolerance]"
+        "--link-step", "M|auto", "Step that still joins neighbours. (default: the tolerance)"
     ),
-    "bits": _option("--bits", "8|16", "Bits of a pixel. [default: 16]"),
-    "pad": _option("--pad", "pow2|none", "Pad images to powers of two. [default: pow2]"),
-    "range": _option("--range", "shared|layer", "Whose greatest height is white. [default: shared]"),
+    "bits": _option("--bits", "8|16", "Bits of a pixel. (default: 16)"),
+    "pad": _option("--pad", "pow2|none", "Pad images to powers of two. (default: pow2)"),
+    "range": _option("--range", "shared|layer", "Whose greatest height is white. (default: shared)"),
     "unit": _option(
-        "--unit", "auto|m|cm|mm|ft|us-ft", "Unit of the scan. [default: what the file says, or m]"
+        "--unit", "auto|m|cm|mm|ft|us-ft", "Unit of the scan. (default: what the file says, or m)"
     ),
-    "up": _option("--up", "x|y|z|-x|-y|-z", "Axis of the scan that points up. [default: z]"),
+    "up": _option("--up", "x|y|z|-x|-y|-z", "Axis of the scan that points up. (default: z)"),
     "crop": _option("--crop", "x0,y0,z0,x1,y1,z1", "Keep only this box, in metres."),
     "classes": _option("--classes", "2,6", "Keep only these LAS classes."),
-    "outliers": _option("--outliers", "off|radius|isolated", "Which stray points to drop. [default: off]"),
+    "outliers": _option("--outliers", "off|radius|isolated", "Which stray points to drop. (default: off)"),
 }
 _LISTS = {"crop", "classes"}
 _WHOLE = {"bits"}
