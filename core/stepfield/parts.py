@@ -59,7 +59,8 @@ def learnt_threshold(ticks: Ticks, bottoms: Integers, widest: float) -> int:
     within = at[bottoms[np.searchsorted(bottoms, at)] != at]
     if not len(within):
         return 0
-    return int(min(np.quantile(ticks[within] - ticks[within - 1], 1 - 1 / POINTS_A_PART), widest))
+    gaps, place = ticks[within] - ticks[within - 1], len(within) - 1 - len(within) // POINTS_A_PART
+    return int(min(np.partition(gaps, place)[place], widest))
 
 
 def part(ticks: Ticks, bottoms: Integers, finest: int, pool: Executor) -> Parts:

@@ -15,14 +15,13 @@ application = typer.Typer(
     help="Turn laser scans of rough, multi-level terrain into layered height-maps for robot simulators.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # drawing boxes around the help takes longer to load than all the rest of it
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-Scans = Annotated[
-    list[Path], typer.Argument(metavar="SCAN...", help="Files of one scan.", show_default=False)
-]
+Scans = Annotated[list[Path], typer.Argument(metavar="SCAN", help="Files of one scan.", show_default=False)]
 MaybeScans = Annotated[
-    list[Path] | None, typer.Argument(metavar="[SCAN...]", help="Files of one scan.", show_default=False)
+    list[Path] | None, typer.Argument(metavar="SCAN", help="Files of one scan.", show_default=False)
 ]
 AsJson = Annotated[bool, typer.Option("--json", metavar="", help="Print one JSON object.")]
 Debug = Annotated[bool, typer.Option("--debug", metavar="", help="Show the traceback of a failure.")]

@@ -11,13 +11,9 @@ import typer
 
 from stepfield.errors import ParameterError
 
-_PANEL = "Parameters"
-
 
 def _option(flag: str, metavar: str, text: str) -> Any:
-    return Annotated[
-        str | None, typer.Option(flag, metavar=metavar, help=text, rich_help_panel=_PANEL, show_default=False)
-    ]
+    return Annotated[str | None, typer.Option(flag, metavar=metavar, help=text, show_default=False)]
 
 
 #: Name in JSON, and the option that sets it.
