@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from stepfield.cli.report import Reporter
+from stepfield.cli.report import Reporter, counted
 from stepfield.errors import ParameterError
 from stepfield.parameters import Parameters
 from stepfield.pipeline import Pipeline
@@ -59,14 +59,15 @@ def _changed(project: Project, result: Reconstruction) -> list[str]:
 def _sentences(manifest: Manifest, output: Path) -> str:
     parameters, grid = manifest.parameters, manifest.grid
     lines = [
-        f"{len(manifest.layers)} layers, {sum(layer.pillars for layer in manifest.layers)} pillars "
+        f"{counted(len(manifest.layers), 'layer')}, "
+        f"{counted(sum(layer.pillars for layer in manifest.layers), 'pillar')} "
         f"of {grid.columns} x {grid.rows} compartments, {manifest.unassigned} unassigned",
         f"cell size {grid.cell_size:g} m, tolerance {parameters.layer_tolerance:g} m, "
         f"alpha {parameters.alpha:g} m, greatest height {manifest.max_height:.4g} m",
-        f"{manifest.seams} seams in {manifest.links} links",
+        f"{counted(manifest.seams, 'seam')} in {counted(manifest.links, 'link')}",
     ]
     lines += [
-        f"  {layer.image}  {layer.name}: {layer.pillars} pillars, mean height {layer.height_mean or 0:.3g} m"
+        f"  {layer.image}  {layer.name}: {counted(layer.pillars, 'pillar')}, mean height {layer.height_mean or 0:.3g} m"
         for layer in manifest.layers
     ]
     return "\n".join([*lines, f"written to {output}"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from stepfield.cli.report import Reporter
+from stepfield.cli.report import Reporter, counted
 from stepfield.stack.check import Report, check_stack
 
 
@@ -27,7 +27,9 @@ def check_folder(folder: Path, scan: Sequence[Path], reporter: Reporter) -> int:
 def _sentences(report: Report) -> str:
     lines = [f"fault: {fault}" for fault in report.faults]
     if not report.faults:
-        lines.append(f"the stack is whole: {report.layers} layers, {report.pillars} pillars")
+        lines.append(
+            f"the stack is whole: {counted(report.layers, 'layer')}, {counted(report.pillars, 'pillar')}"
+        )
     if (fidelity := report.fidelity) is not None:
         lines.append(
             f"points to layers: RMSE {fidelity.rmse:.4g} m, median {fidelity.median:.4g} m, "

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from stepfield import suggest
-from stepfield.cli.report import Reporter
+from stepfield.cli.report import Reporter, counted
 from stepfield.parameters import Parameters
 from stepfield.scan import Scan, open_scan
 
@@ -44,7 +44,7 @@ def suggested(scan: Scan) -> dict[str, float]:
 def _sentences(values: dict[str, Any], scan: Scan) -> str:
     low, high = values["bounds"]["min"], values["bounds"]["max"]
     removed = ", ".join(f"{n} {why}" for why, n in scan.removed.items() if n)
-    lines = [f"{len(scan)} points" + (f" (dropped: {removed})" if removed else "")]
+    lines = [counted(len(scan), "point") + (f" (dropped: {removed})" if removed else "")]
     lines += [
         f"  {axis} {low[i]:.3f} to {high[i]:.3f} m ({high[i] - low[i]:.3f} m)" for i, axis in enumerate("xyz")
     ]

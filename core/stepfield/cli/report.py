@@ -12,6 +12,11 @@ from stepfield.files import one_line
 from stepfield.progress import Progress, silent
 
 
+def counted(number: int, thing: str) -> str:
+    """Return a number with the word for one or several of a thing."""
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
 class Reporter:
     """Writes results as sentences or, when asked, as one JSON object."""
 

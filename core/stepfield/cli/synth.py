@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stepfield.cli.report import Reporter
+from stepfield.cli.report import Reporter, counted
 from stepfield.scan.write import write
 from stepfield.synth import synthesise
 
@@ -24,4 +24,7 @@ def write_scene(
         made = synthesise(scene, points, noise, seed, scanner=scanner, progress=progress)
     write(output, made.points, {"surface": made.surface})
     values = {"file": str(output), "points": len(made.points), "surfaces": list(made.names)}
-    reporter.result(values, f"{len(made.points)} points of {len(made.names)} surfaces written to {output}")
+    reporter.result(
+        values,
+        f"{counted(len(made.points), 'point')} of {counted(len(made.names), 'surface')} written to {output}",
+    )
