@@ -5,16 +5,16 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from stepfield.errors import ProjectError
-from stepfield.files import read_json, write_atomically
+from stepfield.document import Document
+from stepfield.errors import ProjectError, StepfieldError
+from stepfield.files import write_atomically
 from stepfield.parameters import Coordinate, Frozen, Parameters
-from stepfield.validation import explain
 
 VERSION: Literal[1] = 1
 
@@ -66,8 +66,12 @@ class Move(Frozen):
         return np.asarray(self.pillars, np.float64).reshape(-1, 6)
 
 
-class Project(Frozen):
+class Project(Document):
     """All that is needed to make the same stack again."""
+
+    what: ClassVar[str] = "project"
+    failure: ClassVar[type[StepfieldError]] = ProjectError
+    remedy: ClassVar[str] = "restore a copy"
 
     format: Literal["stepfield-project"] = "stepfield-project"
     version: Literal[1] = VERSION
@@ -76,23 +80,6 @@ class Project(Frozen):
     layers: tuple[LayerStyle, ...] = ()
     moves: tuple[Move, ...] = ()
     view: dict[str, Any] = Field(default_factory=dict)
-
-    @classmethod
-    def load(cls, path: Path) -> Self:
-        """Read a project file; raise ProjectError with one sentence if it cannot be used."""
-        document = read_json(path, ProjectError, "project file")
-        if not isinstance(document, dict) or document.get("format") != "stepfield-project":
-            raise ProjectError(f"{path.name}: not a Stepfield project; open one made by Stepfield")
-        version = document.get("version")
-        if isinstance(version, int) and version > VERSION:
-            raise ProjectError(
-                f"{path.name}: made by a newer Stepfield (project version {version}, this one reads up to "
-                f"{VERSION}); update Stepfield"
-            )
-        try:
-            return cls.model_validate(document)
-        except ValidationError as error:
-            raise ProjectError(f"{path.name}: damaged project, {explain(error)}; restore a copy") from None
 
     def save(self, path: Path) -> None:
         """Write the project whole or not at all."""

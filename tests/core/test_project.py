@@ -26,13 +26,13 @@ PROJECT = Project(
 
 def test_a_project_comes_back_equal_to_the_last_digit(tmp_path: Path) -> None:
     PROJECT.save(tmp_path / "a.stepfield")
-    assert Project.load(tmp_path / "a.stepfield") == PROJECT
+    assert Project.read(tmp_path / "a.stepfield") == PROJECT
 
 
 def test_a_missing_parameter_takes_its_default(tmp_path: Path) -> None:
     file = tmp_path / "a.stepfield"
     file.write_text('{"format": "stepfield-project", "version": 1, "parameters": {"bits": 8}}')
-    assert Project.load(file).parameters == Parameters(bits=8)
+    assert Project.read(file).parameters == Parameters(bits=8)
 
 
 @pytest.mark.parametrize(
@@ -41,7 +41,7 @@ def test_a_missing_parameter_takes_its_default(tmp_path: Path) -> None:
         ("", "it is not JSON"),
         ('{"format": "stepfield-project", "ver', "it is not JSON"),
         ("[" * 100_000, "it is not JSON"),
-        ("[]", "not a Stepfield project"),
+        ("[]", "not a project of Stepfield"),
         ('{"format": "stepfield-project", "version": 99}', "newer Stepfield"),
         ('{"format": "stepfield-project", "parameters": {"cell_size": -1}}', "parameters.cell_size"),
         ('{"format": "stepfield-project", "moves": [{"to": "up", "pillars": []}]}', "moves.0.to"),
@@ -55,7 +55,7 @@ def test_a_damaged_project_is_one_sentence(tmp_path: Path, text: str, sentence: 
     file = tmp_path / "bad.stepfield"
     file.write_text(text)
     with pytest.raises(ProjectError, match=sentence) as caught:
-        Project.load(file)
+        Project.read(file)
     assert "\n" not in str(caught.value)
 
 
@@ -64,7 +64,7 @@ def test_a_project_that_cannot_be_saved_leaves_the_old_one_whole(tmp_path: Path)
     PROJECT.save(file)
     with pytest.raises(ProjectError, match="cannot write"):
         PROJECT.save(tmp_path / "missing" / "a.stepfield")
-    assert Project.load(file) == PROJECT
+    assert Project.read(file) == PROJECT
     assert [path.name for path in tmp_path.iterdir()] == ["a.stepfield"]
 
 

@@ -134,7 +134,7 @@ def test_an_image_name_cannot_leave_the_folder(result: Reconstruction, tmp_path:
     path = tmp_path / "out" / "manifest.json"
     path.write_text(path.read_text().replace('"layer_00.png"', '"../../etc/passwd"'))
     with pytest.raises(StackError, match="without folders"):
-        Manifest.load(tmp_path / "out")
+        Manifest.of(tmp_path / "out")
 
 
 @pytest.mark.parametrize("text", ["", "{}", '{"format": "stepfield-stack", "version": 2}', "[1]"])

@@ -42,7 +42,7 @@ def _project(scans: Sequence[Path], project_file: Path | None) -> tuple[Project,
         raise ParameterError("give either scans or --project FILE, not both and not neither")
     if project_file is None:
         return Project(), scans
-    project = Project.load(project_file)
+    project = Project.read(project_file)
     return project, project.scan_paths(project_file)
 
 
@@ -67,7 +67,8 @@ def _sentences(manifest: Manifest, output: Path) -> str:
         f"{counted(manifest.seams, 'seam')} in {counted(manifest.links, 'link')}",
     ]
     lines += [
-        f"  {layer.image}  {layer.name}: {counted(layer.pillars, 'pillar')}, mean height {layer.height_mean or 0:.3g} m"
+        f"  {layer.image}  {layer.name}: {counted(layer.pillars, 'pillar')}, "
+        f"mean height {layer.height_mean or 0:.3g} m"
         for layer in manifest.layers
     ]
     return "\n".join([*lines, f"written to {output}"])

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, ValidationError
+from pydantic import AfterValidator, Field
 
 import stepfield
-from stepfield.errors import StackError
-from stepfield.files import read_json
+from stepfield.document import Document
+from stepfield.errors import StackError, StepfieldError
 from stepfield.layers import UNASSIGNED
 from stepfield.parameters import Frozen, Parameters, Unit, Up
 from stepfield.reconstruction import Layer, Reconstruction
-from stepfield.validation import explain
 
 VERSION: Literal[1] = 1
 FILE_NAME = "manifest.json"
@@ -85,8 +84,12 @@ class LayerEntry(Frozen):
     offset: Metres
 
 
-class Manifest(Frozen):
+class Manifest(Document):
     """The whole of manifest.json; every length in metres, elevations in the scan's coordinates."""
+
+    what: ClassVar[str] = "stack"
+    failure: ClassVar[type[StepfieldError]] = StackError
+    remedy: ClassVar[str] = "build the stack again"
 
     format: Literal["stepfield-stack"] = "stepfield-stack"
     version: Literal[1] = VERSION
@@ -108,20 +111,9 @@ class Manifest(Frozen):
     warnings: tuple[str, ...]
 
     @classmethod
-    def load(cls, folder: Path) -> Manifest:
-        """Read the manifest of a stack; raise StackError with one sentence if there is none to use."""
-        document = read_json(folder / FILE_NAME, StackError, "manifest of the stack")
-        if not isinstance(document, dict) or document.get("format") != "stepfield-stack":
-            raise StackError(f"{folder}: not a stack of Stepfield; name the folder that holds manifest.json")
-        version = document.get("version")
-        if isinstance(version, int) and version > VERSION:
-            raise StackError(
-                f"{folder}: made by a newer Stepfield (stack version {version}); update Stepfield"
-            )
-        try:
-            return cls.model_validate(document)
-        except ValidationError as error:
-            raise StackError(f"{folder}: damaged manifest, {explain(error)}; build the stack again") from None
+    def of(cls, folder: Path) -> Manifest:
+        """Read the manifest of the stack in ``folder``."""
+        return cls.read(folder / FILE_NAME)
 
     def text(self) -> str:
         """Return the manifest as it is written."""

@@ -30,7 +30,7 @@ class Stack:
     @classmethod
     def open(cls, folder: Path) -> Stack:
         """Open the stack in ``folder``, raising StackError in one sentence if there is none."""
-        return cls(folder, Manifest.load(folder))
+        return cls(folder, Manifest.of(folder))
 
     @property
     def grid(self) -> Grid:
