@@ -1,9 +1,10 @@
 """The stages of the method in order, each remembered until something it depends on changes.
 
-    scan -> sorted compartments -> step-field -> layering -> moves -> links -> layers
+    read -> cleaned scan -> sorted compartments -> step-field -> layering -> moves -> links -> layers
 
 A new tolerance re-parts sorted points but does not sort again; a new alpha changes heights only; a move
-re-runs what follows the layering.
+re-runs what follows the layering. A preview runs on fewer points in stages of its own, so that neither it
+nor the exact result makes the other start anew.
 """
 
 from __future__ import annotations
@@ -17,27 +18,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield import suggest
-from stepfield.compartments import sort_into_compartments
+from stepfield.compartments import grid_under, sort_into_compartments
 from stepfield.errors import ParameterError
 from stepfield.heightmap import Frame
 from stepfield.layers import UNASSIGNED, Layering, classify
 from stepfield.links import link, seams
-from stepfield.moves import apply_moves
+from stepfield.moves import Edited, apply_moves
 from stepfield.parameters import Parameters
 from stepfield.pillars import StepField, build_pillars
 from stepfield.progress import Progress, part, silent
 from stepfield.project import LayerStyle, Move
 from stepfield.reconstruction import Reconstruction, layers_of, members_of
-from stepfield.scan import Scan, open_scan
+from stepfield.scan import Scan, cleaned, read_scan
 
 Made = TypeVar("Made")
+Pairs = NDArray[np.int64]
+
+#: How the names of a preview's stages begin: they have places of their own.
+PREVIEW = "preview "
 
 
 @dataclass(frozen=True)
 class Stage(Generic[Made]):
-    """The result of a stage and the values it was made from, those of the stages before it included."""
+    """The result of a stage, the stage it was made from, and the values: those before it included."""
 
+    name: str
     key: Any
+    source: str | None
     made: Made
 
 
@@ -47,6 +54,12 @@ class Pipeline:
     def __init__(self) -> None:
         self._stages: dict[str, Stage[Any]] = {}
 
+    @property
+    def raw(self) -> Scan:
+        """The scan of the last run before cleaning."""
+        raw: Scan = self._stages["raw"].made
+        return raw
+
     def run(
         self,
         scans: Sequence[Path],
@@ -54,6 +67,8 @@ class Pipeline:
         moves: Sequence[Move] = (),
         styles: Sequence[LayerStyle] = (),
         progress: Progress = silent,
+        *,
+        most_points: int | None = None,
     ) -> Reconstruction:
         """Make the layered step-fields of a scan (5.1 to 5.3).
 
@@ -67,7 +82,10 @@ class Pipeline:
         styles : sequence of LayerStyle
             The operator's names of layers.
         progress : Progress
-            Called between chunks; may raise Cancelled.
+            Called between chunks and before each costly stage; may raise Cancelled.
+        most_points : int, optional
+            Of a scan that has more, make a preview from about so many, evenly chosen. Its grid is the one
+            of all points, and so are the numbers picked for ``auto``.
 
         Raises
         ------
@@ -75,20 +93,19 @@ class Pipeline:
             In one sentence.
         """
         scan = self._scan(scans, parameters, part(progress, 0, 0.5))
-        parameters = self._resolved(scan, parameters)
-        field = self._step_field(scan, parameters, part(progress, 0.5, 0.85))
+        parameters = self._resolved(scan, parameters, part(progress, 0.5, 0.55))
+        points, share = scan, 1.0
+        if most_points is not None and most_points < len(scan.made):
+            points, share = self._fewer(scan, most_points), most_points / len(scan.made)
+        field = self._step_field(points, parameters, part(progress, 0.55, 0.85))
         progress(0.85, "classifying pillars")
-        automatic = self._classified(field, parameters)
+        automatic = self._classified(field, parameters, share)
         edited = self._once(
-            "moves", (automatic.key, tuple(moves)), lambda: apply_moves(field.made, automatic.made, moves)
+            "moves", automatic, (tuple(moves),), lambda: apply_moves(field.made, automatic.made, moves)
         )
-        layering = edited.made.layering
-        links, cut = self._once(
-            "links",
-            (edited.key, parameters.link_step),
-            lambda: _linked(field.made, layering, _metres(parameters.link_step)),
-        ).made
-        members = self._once("members", edited.key, lambda: members_of(field.made, layering)).made
+        progress(0.9, "linking neighbours")
+        links, cut = self._linked(field, edited, parameters)
+        members = self._once("members", edited, (), lambda: members_of(field.made, edited.made.layering)).made
         alpha = _metres(parameters.alpha)
         names = edited.made.names | {style.index: style.name for style in styles if style.name}
         progress(1.0, "done")
@@ -97,7 +114,7 @@ class Pipeline:
             parameters=parameters,
             field=field.made,
             automatic=automatic.made,
-            layering=layering,
+            layering=edited.made.layering,
             links=links,
             seams=cut,
             outcomes=edited.made.outcomes,
@@ -107,30 +124,58 @@ class Pipeline:
             frame=Frame.around(field.made.compartments.grid, parameters.pad),
         )
 
-    def _once(self, name: str, key: Any, make: Callable[[], Made]) -> Stage[Made]:
-        """Return the stage's last result if its key is unchanged, else make it anew."""
-        stage = self._stages.pop(name, None)
-        if stage is None or stage.key != key:
-            stage = None  # the old result goes before the new one takes its memory
-            stage = Stage(key, make())
-        self._stages[name] = stage
+    def _once(
+        self, name: str, source: Stage[Any] | None, chosen: tuple[Any, ...], make: Callable[[], Made]
+    ) -> Stage[Made]:
+        """Return a stage's last result if nothing it is made from has changed, else make it anew.
+
+        Parameters
+        ----------
+        name : str
+        source : Stage or None
+            The stage it is made from; a stage of the preview makes others of the preview.
+        chosen : tuple
+            The values it is made from besides.
+        make : callable
+        """
+        if source is not None:
+            name = (PREVIEW if source.name.startswith(PREVIEW) else "") + name
+            chosen = (source.key, *chosen)
+        stage = self._stages.get(name)
+        if stage is None or stage.key != chosen:
+            stage = None
+            self._free(name)  # before the new results take their memory
+            stage = self._stages[name] = Stage(name, chosen, source.name if source else None, make())
         return stage
+
+    def _free(self, name: str) -> None:
+        """Forget a stage and all that was made from it."""
+        self._stages.pop(name, None)
+        for later in [stage.name for stage in self._stages.values() if stage.source == name]:
+            self._free(later)
 
     def _scan(self, scans: Sequence[Path], parameters: Parameters, progress: Progress) -> Stage[Scan]:
         """Read and clean the point cloud (2)."""
+        unit, up = parameters.unit, parameters.up
+        declared = None if unit == "auto" else unit
+        read = (_stamps(scans), unit, up)
+        raw = self._once("raw", None, read, lambda: read_scan(scans, declared, up, progress))
         cleaning = (parameters.crop, parameters.classes, parameters.outliers)
-        key = (_stamps(scans), parameters.unit, parameters.up, *cleaning)
-        return self._once("scan", key, lambda: open_scan(scans, parameters, progress))
+        return self._once("scan", raw, cleaning, lambda: cleaned(raw.made, parameters, progress))
 
-    def _resolved(self, scan: Stage[Scan], parameters: Parameters) -> Parameters:
+    def _fewer(self, scan: Stage[Scan], most_points: int) -> Stage[Scan]:
+        """Choose the points of a preview."""
+        return self._once(PREVIEW + "scan", scan, (most_points,), lambda: scan.made.thinned(most_points))
+
+    def _resolved(self, scan: Stage[Scan], parameters: Parameters, progress: Progress) -> Parameters:
         """Replace every ``auto`` that is a number by the one picked from the scan."""
         cell, tolerance, alpha = parameters.cell_size, parameters.layer_tolerance, parameters.alpha
+        progress(0.0, "looking at the scan")
         if cell == "auto":
-            cell = self._once("auto cell", scan.key, lambda: suggest.cell_size(scan.made)).made
+            cell = self._once("auto cell", scan, (), lambda: suggest.cell_size(scan.made)).made
         if tolerance == "auto":
-            key = (scan.key, cell)
             tolerance = self._once(
-                "auto tolerance", key, lambda: suggest.layer_tolerance(scan.made, _metres(cell))
+                "auto tolerance", scan, (cell,), lambda: suggest.layer_tolerance(scan.made, _metres(cell))
             ).made
         if alpha == "auto":
             alpha = suggest.alpha(_metres(cell), scan.made.z.span())
@@ -141,23 +186,27 @@ class Pipeline:
     def _step_field(self, scan: Stage[Scan], parameters: Parameters, progress: Progress) -> Stage[StepField]:
         """Sort the points into compartments and build the pillars (5.1, 5.3.2)."""
         cell, tolerance = _metres(parameters.cell_size), _metres(parameters.layer_tolerance)
+        grid_under(scan.made, cell)  # an absurd cell size fails before anything is forgotten for it
         compartments = self._once(
-            "compartments", (scan.key, cell), lambda: sort_into_compartments(scan.made, cell, progress)
+            "compartments", scan, (cell,), lambda: sort_into_compartments(scan.made, cell, progress)
         )
         progress(1.0, "building pillars")
         statistic = parameters.pillar_height
         return self._once(
             "field",
-            (compartments.key, tolerance, statistic),
+            compartments,
+            (tolerance, statistic),
             lambda: build_pillars(compartments.made, tolerance, statistic),
         )
 
-    def _classified(self, field: Stage[StepField], parameters: Parameters) -> Stage[Layering]:
-        """Classify the pillars (5.3.3)."""
-        method, fewest, most = parameters.layering, parameters.min_points, parameters.max_layers
+    def _classified(self, field: Stage[StepField], parameters: Parameters, share: float) -> Stage[Layering]:
+        """Classify the pillars (5.3.3); a share of the points makes pillars of as few."""
+        method, most = parameters.layering, parameters.max_layers
+        fewest = max(1, round(parameters.min_points * share))
         classified = self._once(
             "layers",
-            (field.key, method, fewest, most),
+            field,
+            (method, fewest, most),
             lambda: classify(field.made, method, min_points=fewest, max_layers=most),
         )
         if not classified.made.count:
@@ -166,6 +215,17 @@ class Pipeline:
                 f"lower min_points or enlarge the cell size"
             )
         return classified
+
+    def _linked(
+        self, field: Stage[StepField], edited: Stage[Edited], parameters: Parameters
+    ) -> tuple[Pairs, Pairs]:
+        """Links among the exported pillars, and the seams among them; links outlive moves between layers."""
+        layering, step = edited.made.layering, _metres(parameters.link_step)
+        exported = layering.layer != UNASSIGNED
+        chosen = (np.packbits(exported).tobytes(), step)
+        links = self._once("links", field, chosen, lambda: link(field.made, exported, step))
+        cut = self._once("seams", edited, links.key, lambda: seams(links.made, layering))
+        return links.made, cut.made
 
 
 def _metres(value: float | str) -> float:
@@ -180,11 +240,3 @@ def _stamps(scans: Sequence[Path]) -> tuple[Any, ...]:
         stat = path.stat() if path.exists() else None
         stamps.append((path, stat and (stat.st_size, stat.st_mtime_ns)))
     return tuple(stamps)
-
-
-def _linked(
-    field: StepField, layering: Layering, link_step: float
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Links among the exported pillars, and the seams among them."""
-    links = link(field, layering.layer != UNASSIGNED, link_step)
-    return links, seams(links, layering)

@@ -1,18 +1,26 @@
 """The pipeline remembers stages: a slider that sorts points again for a new alpha is not live."""
 
+import weakref
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from tests.conftest import scan_of
 
 from stepfield import pipeline as stages
-from stepfield.errors import Cancelled, ParameterError
+from stepfield.compartments import sort_into_compartments
+from stepfield.errors import Cancelled, GridError, ParameterError
 from stepfield.parameters import Parameters
 from stepfield.pipeline import Pipeline
 from stepfield.project import Move
+from stepfield.reconstruction import Reconstruction
 
+STAGES = [
+    *("read_scan", "cleaned", "sort_into_compartments", "build_pillars"),
+    *("classify", "apply_moves", "link"),
+]
 BASE = Parameters(cell_size=0.2, layer_tolerance=0.3, alpha=0.1)
 
 
@@ -40,7 +48,7 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
         monkeypatch.setattr(stages, name, watched)
 
-    for name in ("open_scan", "sort_into_compartments", "build_pillars", "classify", "apply_moves", "link"):
+    for name in STAGES:
         watch(name)
     return names
 
@@ -54,14 +62,12 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         ({"range": "layer"}, []),
         ({"pad": "none"}, []),
         ({"link_step": 0.1}, ["link"]),
-        ({"min_points": 3}, ["classify", "apply_moves", "link"]),
-        ({"layering": "rank"}, ["classify", "apply_moves", "link"]),
-        ({"layer_tolerance": 0.2}, ["build_pillars", "classify", "apply_moves", "link"]),
-        ({"cell_size": 0.3}, ["sort_into_compartments", "build_pillars", "classify", "apply_moves", "link"]),
-        (
-            {"up": "-z"},
-            ["open_scan", "sort_into_compartments", "build_pillars", "classify", "apply_moves", "link"],
-        ),
+        ({"min_points": 3}, STAGES[4:]),
+        ({"layering": "rank"}, ["classify", "apply_moves"]),
+        ({"layer_tolerance": 0.2}, STAGES[3:]),
+        ({"cell_size": 0.3}, STAGES[2:]),
+        ({"crop": (0.0, 0.0, -1.0, 3.0, 2.0, 2.0)}, STAGES[1:]),
+        ({"up": "-z"}, STAGES),
     ],
 )
 def test_only_what_depends_on_a_change_runs_again(
@@ -77,15 +83,120 @@ def test_only_what_depends_on_a_change_runs_again(
         assert np.array_equal(ours.gray, theirs.gray)
 
 
+def moved(result: Reconstruction, to: Any) -> Move:
+    """Move three pillars of the second layer."""
+    boxes = result.field.boxes(result.layering.members(1)[:3])
+    return Move.model_validate({"to": to, "pillars": [tuple(box) for box in boxes.tolist()]})
+
+
 def test_a_move_runs_from_the_layering_on(table: Path, ran: list[str]) -> None:
     pipeline = Pipeline()
     first = pipeline.run([table], BASE)
     ran.clear()
-    boxes = first.field.boxes(first.layering.members(1)[:3])
-    move = Move.model_validate({"to": "unassigned", "pillars": [tuple(box) for box in boxes.tolist()]})
-    edited = pipeline.run([table], BASE, [move])
+    edited = pipeline.run([table], BASE, [moved(first, "unassigned")])
     assert ran == ["apply_moves", "link"]
     assert edited.layering.unassigned == first.layering.unassigned + 3
+
+
+def test_a_move_between_layers_cuts_other_seams_but_links_stay(table: Path, ran: list[str]) -> None:
+    pipeline = Pipeline()
+    first = pipeline.run([table], BASE)
+    ran.clear()
+    lower = {"layer": 0, "of": 2, "elevation": 0.0}
+    edited = pipeline.run([table], BASE, [moved(first, lower)])
+    assert ran == ["apply_moves"]
+    fresh = Pipeline().run([table], BASE, [moved(first, lower)])
+    assert len(edited.seams) > len(first.seams)
+    assert np.array_equal(edited.seams, fresh.seams)
+    assert np.array_equal(edited.links, fresh.links)
+
+
+@pytest.mark.parametrize("change", [{}, {"cell_size": 0.17}, {"crop": (0.5, 0.5, -1.0, 2.5, 2.5, 2.0)}])
+def test_a_preview_has_fewer_points_over_the_same_grid(table: Path, change: dict[str, Any]) -> None:
+    """Otherwise the picture would jump when the exact result takes the preview's place."""
+    parameters = Parameters().model_copy(update=change)
+    preview = Pipeline().run([table], parameters, most_points=1000)
+    exact = Pipeline().run([table], parameters)
+    ours, theirs = preview.field.compartments, exact.field.compartments
+    assert 900 <= len(ours.ticks) <= 1006
+    assert (ours.grid, ours.lowest, ours.tick) == (theirs.grid, theirs.lowest, theirs.tick)
+    assert preview.parameters == exact.parameters, "auto is picked from all points"
+    assert len(preview.scan) == len(exact.scan)
+    assert preview.base_elevation == exact.base_elevation
+
+
+def test_previews_and_exact_results_leave_each_other_their_stages(table: Path, ran: list[str]) -> None:
+    pipeline = Pipeline()
+    pipeline.run([table], BASE)
+    pipeline.run([table], BASE.model_copy(update={"cell_size": 0.4}), most_points=1000)
+    ran.clear()
+    pipeline.run([table], BASE)
+    pipeline.run([table], BASE.model_copy(update={"cell_size": 0.4}), most_points=1000)
+    assert ran == []
+
+
+def test_a_preview_asks_for_fewer_points_a_pillar(table: Path) -> None:
+    """With the least number of points left as it is, a preview would be empty where the result is full."""
+    fussy = BASE.model_copy(update={"min_points": 8, "cell_size": 0.1})
+    exact, preview = Pipeline().run([table], fussy), Pipeline().run([table], fussy, most_points=1000)
+    assert len(preview.layers) == len(exact.layers)
+    assert len(preview.layers[0].pillars) > 100
+
+
+def test_a_preview_of_a_small_scan_is_exact(table: Path, ran: list[str]) -> None:
+    pipeline = Pipeline()
+    assert len(pipeline.run([table], BASE, most_points=8000).field.compartments.ticks) == 8000
+    ran.clear()
+    pipeline.run([table], BASE)
+    assert ran == []
+
+
+def test_what_was_made_from_a_stage_is_freed_before_that_is_made_anew(
+    table: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At ten million points two generations of everything would not fit side by side."""
+    pipeline = Pipeline()
+    field = weakref.ref(pipeline.run([table], BASE).field)
+    alive: list[bool] = []
+    original = sort_into_compartments
+
+    def watched(*args: Any) -> Any:
+        alive.append(field() is not None)
+        return original(*args)
+
+    monkeypatch.setattr(stages, "sort_into_compartments", watched)
+    pipeline.run([table], BASE.model_copy(update={"cell_size": 0.3}))
+    assert alive == [False]
+
+
+def test_an_absurd_cell_size_costs_nothing_that_was_made(table: Path, ran: list[str]) -> None:
+    pipeline = Pipeline()
+    pipeline.run([table], BASE)
+    with pytest.raises(GridError):
+        pipeline.run([table], BASE.model_copy(update={"cell_size": 1e-7}))
+    ran.clear()
+    pipeline.run([table], BASE)
+    assert ran == []
+
+
+def test_the_raw_scan_is_there_without_reading_it_again(table: Path, ran: list[str]) -> None:
+    pipeline = Pipeline()
+    result = pipeline.run([table], BASE.model_copy(update={"crop": (0.0, 0.0, -1.0, 1.0, 1.0, 2.0)}))
+    assert len(pipeline.raw) == 8000 > len(result.scan)
+    assert ran.count("read_scan") == 1
+
+
+def test_a_thinned_scan_is_spread_evenly_and_keeps_the_outermost_points() -> None:
+    rows = np.c_[np.arange(10_000) % 100, np.arange(10_000) // 100, np.zeros(10_000)]
+    scan = scan_of(rows)
+    thinned = scan.thinned(500)
+    assert len(thinned) == pytest.approx(500, abs=10)
+    assert np.array_equal(thinned.bounds(), scan.bounds())
+    columns, held = np.unique(thinned.points()[:, 0], return_counts=True)
+    assert len(columns) > 90, "every 20th point of a sweep of 100 would be one of five columns"
+    assert held.max() < 20
+    assert np.array_equal(thinned.points(), scan.thinned(500).points())
+    assert scan.thinned(10_000) is scan
 
 
 def test_a_scan_saved_anew_is_read_anew(table: Path, ran: list[str]) -> None:
@@ -94,10 +205,10 @@ def test_a_scan_saved_anew_is_read_anew(table: Path, ran: list[str]) -> None:
     np.save(table, np.load(table)[:5000])
     ran.clear()
     assert len(pipeline.run([table], BASE).scan) == 5000
-    assert "open_scan" in ran
+    assert "read_scan" in ran
 
 
-@pytest.mark.parametrize("at", [0.0, 0.5, 0.8, 0.95])
+@pytest.mark.parametrize("at", [0.0, 0.5, 0.6, 0.8, 0.85, 0.9])
 def test_cancelling_stops_and_the_next_run_is_right(table: Path, at: float) -> None:
     def stop(share: float, what: str) -> None:
         if share >= at:

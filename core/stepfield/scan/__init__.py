@@ -17,7 +17,7 @@ from stepfield.scan.cleaning import clean
 from stepfield.scan.cloud import Axis, Cloud, Reader
 from stepfield.scan.scan import Scan, SourceFile, joined
 
-__all__ = ["FORMATS", "Axis", "Cloud", "Scan", "SourceFile", "clean", "open_scan", "read_scan"]
+__all__ = ["FORMATS", "Axis", "Cloud", "Scan", "SourceFile", "clean", "cleaned", "open_scan", "read_scan"]
 
 #: Which module of this package reads which suffix; modules load when they are needed.
 FORMATS = {
@@ -79,7 +79,12 @@ def read_scan(
 def open_scan(paths: Sequence[Path], parameters: Parameters, progress: Progress = silent) -> Scan:
     """Read a scan and clean it as the parameters say; raise ScanError when what is left is no scan."""
     unit = None if parameters.unit == "auto" else parameters.unit
-    scan = clean(read_scan(paths, unit, parameters.up, progress), parameters, progress)
+    return cleaned(read_scan(paths, unit, parameters.up, progress), parameters, progress)
+
+
+def cleaned(scan: Scan, parameters: Parameters, progress: Progress = silent) -> Scan:
+    """Clean a scan as the parameters say; raise ScanError when what is left is no scan."""
+    scan = clean(scan, parameters, progress)
     farthest = float(np.abs(scan.bounds()).max())
     if farthest > FARTHEST:
         where = scan.files[0].name if len(scan.files) == 1 else "the scan"

@@ -10,7 +10,7 @@ import numpy as np
 from stepfield.errors import ScanError
 from stepfield.parameters import Box, Parameters
 from stepfield.progress import Progress, silent
-from stepfield.scan.cloud import Numbers
+from stepfield.scan.cloud import CHUNK, Numbers
 from stepfield.scan.scan import Scan
 
 #: Neighbours that a point needs within the radius (``outliers = radius``) ...
@@ -44,8 +44,12 @@ def inside(scan: Scan, box: Box) -> Numbers:
     """Mask of the points within the closed box (x0, y0, z0, x1, y1, z1), metres."""
     mask = np.ones(len(scan), bool)
     for axis, low, high in zip(scan.axes, box[:3], box[3:], strict=True):
-        values = axis.values()
-        mask &= (values >= low) & (values <= high)
+        least, greatest = axis.bounds()
+        if low <= least and greatest <= high:
+            continue  # a slab of heights need not look at places
+        for at in range(0, len(scan), CHUNK):
+            values = axis.values(slice(at, at + CHUNK))
+            mask[at : at + CHUNK] &= (values >= low) & (values <= high)
     return mask
 
 

@@ -103,6 +103,22 @@ class Scan:
         attributes = {name: values[chosen] for name, values in self.attributes.items()}
         return replace(self, x=x, y=y, z=z, attributes=attributes, removed=removed)
 
+    def thinned(self, most: int) -> Scan:
+        """Return the scan with about ``most`` points, evenly chosen, its outermost ones among them.
+
+        One point is drawn from each of ``most`` runs of equal length: a fixed step would take the same rows
+        of every sweep of a scanner. The draw is the same every time.
+        """
+        if most >= len(self):
+            return self
+        drawn = (np.arange(most) + np.random.default_rng(0).random(most)) * (len(self) / most)
+        outermost = [find(axis.raw) for axis in self.axes for find in (np.argmin, np.argmax)]
+        chosen = np.sort(np.append(np.minimum(drawn.astype(np.int64), len(self) - 1), outermost))
+        chosen = chosen[np.diff(chosen, prepend=-1) > 0]
+        x, y, z = (axis.take(chosen) for axis in self.axes)
+        attributes = {name: values[chosen] for name, values in self.attributes.items()}
+        return replace(self, x=x, y=y, z=z, attributes=attributes)
+
 
 def joined(clouds: Sequence[Cloud], files: Sequence[SourceFile], unit: Unit | None, up: Up) -> Scan:
     """Make one scan of several clouds.
