@@ -8,9 +8,10 @@ root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)"
 venv="$root/.venv"
 unset PYTHONPATH PYTHONHOME # a sourced ROS workspace puts its own packages and pytest plugins in the way
 
-# The shared libraries the wheels expect of the system: package, library, the dependency that needs it.
-# A line counts once pyproject.toml names its dependency.
-system_libraries=(
+# What the wheels expect of the system: package, what it brings (a shared library, "font" or a command), the dependency
+# that needs it. A line counts once pyproject.toml names its dependency, those of "dev" for the tests only. The packages
+# bring the rest themselves, software OpenGL included: libgl1 and libegl1 depend on Mesa's drivers.
+system_packages=(
     "libexpat1 libexpat.so.1 rasterio"
     "libegl1 libEGL.so.1 open3d"
     "libgl1 libGL.so.1 open3d"
@@ -18,6 +19,23 @@ system_libraries=(
     "libudev1 libudev.so.1 open3d"
     "libusb-1.0-0 libusb-1.0.so.0 open3d"
     "libx11-6 libX11.so.6 open3d"
+    "libdbus-1-3 libdbus-1.so.3 PySide6-Essentials"
+    "libfontconfig1 libfontconfig.so.1 PySide6-Essentials"
+    "libglib2.0-0 libglib-2.0.so.0 PySide6-Essentials"
+    "libxcb-cursor0 libxcb-cursor.so.0 PySide6-Essentials"
+    "libxcb-icccm4 libxcb-icccm.so.4 PySide6-Essentials"
+    "libxcb-image0 libxcb-image.so.0 PySide6-Essentials"
+    "libxcb-keysyms1 libxcb-keysyms.so.1 PySide6-Essentials"
+    "libxcb-randr0 libxcb-randr.so.0 PySide6-Essentials"
+    "libxcb-render-util0 libxcb-render-util.so.0 PySide6-Essentials"
+    "libxcb-shape0 libxcb-shape.so.0 PySide6-Essentials"
+    "libxcb-sync1 libxcb-sync.so.1 PySide6-Essentials"
+    "libxcb-xfixes0 libxcb-xfixes.so.0 PySide6-Essentials"
+    "libxcb-xkb1 libxcb-xkb.so.1 PySide6-Essentials"
+    "libxkbcommon-x11-0 libxkbcommon-x11.so.0 PySide6-Essentials"
+    "fonts-dejavu-core font PySide6-Essentials"
+    "xdotool xdotool dev"
+    "xvfb Xvfb dev"
 )
 
 say() { printf '%s\n' "$*" >&2; }
@@ -38,7 +56,7 @@ set_up() {
     fi
     local python
     python=$(usable_venv || find_python || true)
-    install_missing_packages "$python"
+    install_missing_packages "$python" "$extras"
     [[ -n $python ]] || python=$(find_python) || fail "no Python 3.11 or newer was found after the packages were installed"
     usable_venv >/dev/null || make_venv "$python"
     install_stepfield "$extras"
@@ -92,8 +110,8 @@ find_python() {
 }
 
 install_missing_packages() {
-    local packages
-    packages=$(missing_packages "$1")
+    local python=$1 extras=$2 packages
+    packages=$(missing_packages "$python" "$extras")
     [[ -n $packages ]] || return 0
     command -v apt-get >/dev/null ||
         fail "this system has no apt-get to install what is missing; install what these Debian packages hold: $packages"
@@ -102,13 +120,13 @@ install_missing_packages() {
         if command -v sudo >/dev/null && { sudo -n true 2>/dev/null || [[ -t 0 && -t 2 ]]; }; then
             privilege=(sudo)
         else
-            refuse_old_system "$1"
+            refuse_old_system "$python"
             fail "system packages are missing; have an administrator run: apt-get install --no-install-recommends $packages"
         fi
     fi
     "${privilege[@]}" apt-get update -qq >/dev/null 2>&1 || true # what matters is whether the packages then install
-    refuse_old_system "$1"
-    packages=$(missing_packages "$1") # anew: a bare system knows its Python only now
+    refuse_old_system "$python"
+    packages=$(missing_packages "$python" "$extras") # anew: a bare system knows its Python only now
     say "Installing system packages: $packages"
     local output
     # shellcheck disable=SC2086 # a list of names
@@ -121,7 +139,7 @@ install_missing_packages() {
 
 # The names of the missing packages on one line; empty when nothing is missing.
 missing_packages() {
-    { missing_python "$1" && missing_libraries; } | paste -s -d ' ' -
+    { missing_python "$1" && missing_for_wheels "$2"; } | paste -s -d ' ' -
 }
 
 missing_python() {
@@ -156,13 +174,30 @@ refuse_old_system() {
         fail "Stepfield needs Python 3.11 or newer, and this system's newest is $(candidate python3); name another one: PYTHON=/path/to/python3"
 }
 
-missing_libraries() {
+missing_for_wheels() {
     [[ $(uname) == Linux ]] || return 0
-    local package library dependency known
-    known=$(PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null) || return 0
-    while read -r package library dependency; do
-        if is_dependency "$dependency" && [[ $known != *"$library"* ]]; then echo "$package"; fi
-    done < <(printf '%s\n' "${system_libraries[@]}")
+    local extras=$1 package brings dependency libraries
+    libraries=$(PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null) || return 0
+    while read -r package brings dependency; do
+        [[ $dependency == "$extras" ]] || is_dependency "$dependency" || continue
+        is_there "$brings" "$libraries" || echo "$package"
+    done < <(printf '%s\n' "${system_packages[@]}")
+}
+
+# Whether the system has what a package brings; $2 are the shared libraries it knows.
+is_there() {
+    case $1 in
+    font) has_font ;;
+    *.so.*) [[ $2 == *"$1"* ]] ;;
+    *) command -v "$1" >/dev/null ;;
+    esac
+}
+
+# Whether there is a font to write with: fontconfig alone may bring one for code only, as Debian 13 does.
+has_font() {
+    local -a folders=(/usr/share/fonts /usr/local/share/fonts "${HOME:-/}/.local/share/fonts" "${HOME:-/}/.fonts")
+    [[ -n $(find -L "${folders[@]}" \( -iname '*.ttf' -o -iname '*.otf' -o -iname '*.ttc' \) ! -iname '*mono*' \
+        -print -quit 2>/dev/null) ]]
 }
 
 is_dependency() { grep -Eq "^ *\"$1(-cpu)?[ ;<>=~!]" "$root/pyproject.toml"; }
