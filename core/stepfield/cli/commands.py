@@ -69,6 +69,37 @@ def build(
 
 @application.command()
 @with_parameters
+def view(
+    scans: MaybeScans = None,
+    screenshot: Annotated[
+        Path | None,
+        typer.Option("--screenshot", metavar="FILE.png", help="Draw it all, save a picture, leave."),
+    ] = None,
+    size: Annotated[
+        str | None,
+        typer.Option("--size", metavar="WxH", help="Size of the window in pixels.", show_default=False),
+    ] = None,
+    theme: Annotated[
+        str | None,
+        typer.Option(
+            "--theme",
+            metavar="dark|light",
+            help="Look of the window. (default: the system's)",
+            show_default=False,
+        ),
+    ] = None,
+    debug: Debug = False,
+    *,
+    given: dict[str, Any],
+) -> int:
+    """Open the window."""
+    from stepfield.cli.view import open_window
+
+    return open_window(scans or [], given, screenshot=screenshot, size=size, theme=theme)
+
+
+@application.command()
+@with_parameters
 def info(scans: Scans, as_json: AsJson = False, debug: Debug = False, *, given: dict[str, Any]) -> None:
     """Say what a scan holds and which parameters suit it."""
     from stepfield.cli.info import describe_scan

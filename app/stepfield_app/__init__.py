@@ -1,0 +1,1 @@
+"""The window of Stepfield: Open3D views, live sliders, layers, maps and profiles."""

@@ -1,0 +1,1 @@
+"""Dialogs: what needs a decision or a look, and then goes away."""

@@ -1,0 +1,167 @@
+"""The stack as it will be written, and writing it: what ``stepfield build`` does, to the byte."""
+
+from __future__ import annotations
+
+import io
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from stepfield.heightmap import HeightMap
+from stepfield.progress import Progress, silent
+from stepfield.reconstruction import Reconstruction
+from stepfield.stack import Manifest, write_stack
+from stepfield.stack.manifest import LayerEntry, describe
+from stepfield.stack.write import COMPRESSION, is_stack
+
+Pixels = NDArray[np.uint8] | NDArray[np.uint16]
+
+#: Pixels along the longer side of an image on the screen.
+SIDE = 1024
+
+
+@dataclass(frozen=True, eq=False)
+class LayerPreview:
+    """One layer as it will be written.
+
+    Attributes
+    ----------
+    entry : LayerEntry
+        As the manifest will have it.
+    white : float
+        The height that is white, metres above the base plane.
+    gray, mask : ndarray of shape (height, width), uint8
+        The images with their padding, every so many pixels where they are large.
+    gray_bytes, mask_bytes : int
+        Sizes of the two files.
+    """
+
+    entry: LayerEntry
+    white: float
+    gray: NDArray[np.uint8]
+    mask: NDArray[np.uint8]
+    gray_bytes: int
+    mask_bytes: int
+
+
+@dataclass(frozen=True, eq=False)
+class StackPreview:
+    """A stack as it will be written; ``manifest_bytes`` is the size of that file."""
+
+    manifest: Manifest
+    layers: tuple[LayerPreview, ...]
+    manifest_bytes: int
+
+    @property
+    def bytes(self) -> int:
+        """Size of all its files."""
+        return self.manifest_bytes + sum(layer.gray_bytes + layer.mask_bytes for layer in self.layers)
+
+
+@dataclass(frozen=True)
+class Export:
+    """What is to be written, and where."""
+
+    result: Reconstruction
+    folder: Path
+    overwrite: bool = False
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What was written."""
+
+    folder: Path
+    manifest: Manifest
+    files: int
+    bytes: int
+
+
+@dataclass(frozen=True)
+class Target:
+    """What stands where a stack is to go, and a sentence about it."""
+
+    state: Literal["free", "stack", "taken"]
+    sentence: str = ""
+
+
+def preview(result: Reconstruction, progress: Progress = silent) -> StackPreview:
+    """Draw every layer as it will be written and say how large its files become.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    progress : Progress
+        May raise Cancelled.
+    """
+    drawn, sizes, lifted = [], [], 0
+    for layer in result.layers:
+        progress(layer.index / len(result.layers), f"drawing {layer.name}")
+        image = result.height_map(layer)
+        lifted += image.lifted
+        sizes.append((_png_size(image.gray), _png_size(_white(image))))
+        drawn.append((_on_screen(image.gray), _on_screen(_white(image))))
+    manifest = describe(result, lifted)
+    layers = tuple(
+        LayerPreview(entry, layer.white, *images, *size)
+        for entry, layer, images, size in zip(manifest.layers, result.layers, drawn, sizes, strict=True)
+    )
+    return StackPreview(manifest, layers, len(manifest.text().encode()))
+
+
+def export(wanted: Export, progress: Progress = silent) -> Exported:
+    """Write a stack.
+
+    Raises
+    ------
+    StackError
+        In one sentence; the folder is then as it was.
+    """
+    manifest = write_stack(wanted.result, wanted.folder, overwrite=wanted.overwrite, progress=progress)
+    sizes = [path.stat().st_size for path in wanted.folder.iterdir()]
+    return Exported(wanted.folder, manifest, len(sizes), sum(sizes))
+
+
+def target(folder: Path) -> Target:
+    """Say whether a stack can go to a folder, by the rules of ``stepfield build``."""
+    try:
+        if not os.path.lexists(folder):
+            return Target("free", "The folder will be made.")
+        if not folder.is_dir():
+            return Target("taken", "This is a file, not a folder; choose another name.")
+        if not any(folder.iterdir()):
+            return Target("free", "The folder is empty.")
+        if is_stack(folder):
+            return Target("stack", "The folder holds a stack, which would be replaced.")
+    except OSError:
+        return Target("taken", "The folder cannot be read; choose another one.")
+    return Target("taken", "The folder holds something other than a stack; choose another name.")
+
+
+def proposed_folder(parent: Path, scans: tuple[Path, ...]) -> Path:
+    """Return where to put the stack of a scan: a folder with the scan's name."""
+    return parent / (scans[0].stem if scans else "stack")
+
+
+def _white(image: HeightMap) -> NDArray[np.uint8]:
+    return image.mask.astype(np.uint8) * np.uint8(255)
+
+
+def _png_size(pixels: Pixels) -> int:
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, format="PNG", compress_level=COMPRESSION)
+    return file.tell()
+
+
+def _on_screen(pixels: Pixels) -> NDArray[np.uint8]:
+    """Thin an image out to the screen's size and 256 levels, without smoothing what will be sharp."""
+    step = -(-max(pixels.shape) // SIDE)
+    thin = pixels[::step, ::step]
+    shown = np.ascontiguousarray(thin >> 8 if thin.dtype == np.uint16 else thin).astype(np.uint8)
+    shown.flags.writeable = False
+    return shown

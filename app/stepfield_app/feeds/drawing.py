@@ -1,0 +1,227 @@
+"""From an answer to what the three 3-D views draw; runs on a worker, remembers what has not changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.progress import Progress
+from stepfield.reconstruction import Reconstruction
+from stepfield.scan import Scan
+from stepfield_app.render.scene import CLOUD, PILLARS, RECONSTRUCTION, Lines, Points, Scene, Triangles
+from stepfield_app.requests import Answer
+from stepfield_app.scenes import blocks, colouring, surfaces
+from stepfield_app.scenes.cloud import Cloud, cloud, points
+from stepfield_app.scenes.ground import crosses, ground
+from stepfield_app.scenes.legend import Legend
+from stepfield_app.theme import Theme, ramp
+
+Floats = NDArray[np.float64]
+#: What the blocks and surfaces can show, with the names offered to the operator.
+SOLID_MODES = (("layer", "Layer"), ("height", "Height"))
+#: Size of a mark as a share of the scan's diagonal.
+MARK_SHARE = 0.004
+POINT_MODES = {
+    "height": "Height",
+    "layer": "Layer",
+    "rgb": "RGB",
+    "intensity": "Intensity",
+    "class": "Class",
+    "single": "Plain",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Wish:
+    """What to draw.
+
+    Attributes
+    ----------
+    answer : Answer
+    origin : ndarray of shape (3,), float64
+        Scan coordinates of the local origin, metres; one for as long as a scan is open.
+    views : tuple of str
+        Those that are shown.
+    modes : mapping of str to str
+        Colour mode of each view.
+    colours : ndarray of shape (layers + 1, 3), uint8
+        Unassigned last.
+    visible : tuple of int
+        Layers that are shown, -1 for Unassigned.
+    theme : Theme
+    marks : ndarray of shape (n, 3), float64, or None
+        Places to mark in the cloud, scan coordinates, metres.
+    """
+
+    answer: Answer
+    origin: Floats
+    views: tuple[str, ...]
+    modes: Mapping[str, Any]
+    colours: NDArray[np.uint8]
+    visible: tuple[int, ...]
+    theme: Theme
+    marks: Floats | None = None
+
+    @property
+    def result(self) -> Reconstruction:
+        """The reconstruction to draw."""
+        return self.answer.result
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A scene and what its colours mean."""
+
+    scene: Scene
+    legend: Legend | None
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """The pictures of the views that are shown, and the cloud in local coordinates for whoever cuts it."""
+
+    pictures: Mapping[str, Picture]
+    cloud: Cloud
+
+
+class Drawing:
+    """Turns wishes into scenes, for one thread at a time.
+
+    The cloud is kept while its scan is the same: it is by far the largest part. A preview, which has only
+    some of the points, leaves it as it is.
+    """
+
+    def __init__(self) -> None:
+        self._cloud: Cloud | None = None
+        self._parts: dict[str, tuple[tuple[Any, ...], Any]] = {}
+
+    def __call__(self, wish: Wish, progress: Progress) -> Drawn:
+        """Draw the views that are shown."""
+        shown = self._shown(wish)
+        draw = {CLOUD: self._of_cloud, PILLARS: self._of_pillars, RECONSTRUCTION: self._of_layers}
+        pictures = {}
+        for done, name in enumerate(wish.views):
+            progress(done / len(wish.views), f"drawing {name}")
+            pictures[name] = draw[name](wish)
+        return Drawn(pictures, shown)
+
+    def _shown(self, wish: Wish) -> Cloud:
+        """Return the cloud of an exact answer, or the one before while there is but a preview."""
+        if (
+            not wish.answer.request.quick
+            or self._cloud is None
+            or not np.array_equal(self._cloud.origin, wish.origin)
+        ):
+            self._cloud = self._placed(wish.result.scan, wish.origin)
+        return self._cloud
+
+    def _of_cloud(self, wish: Wish) -> Picture:
+        shown = self._shown(wish)
+        colours = self._coloured(shown.scan, wish)
+        low, high = shown.box
+        scene = _scene(wish, low, high, points=points(shown, colours))
+        if wish.marks is not None:
+            marks = crosses(
+                wish.marks - wish.origin, MARK_SHARE * float(np.linalg.norm(high - low)), wish.theme.error
+            )
+            scene = replace(scene, lines=(*scene.lines, marks))
+        return Picture(scene, colours.legend)
+
+    def _placed(self, scan: Scan, origin: Floats) -> Cloud:
+        def make() -> Cloud:
+            self._cloud = None  # the old places go before the new ones take their memory
+            return cloud(scan, origin)
+
+        placed: Cloud = self._once("places", (scan, origin), make)
+        return placed
+
+    def _coloured(self, scan: Scan, wish: Wish) -> colouring.Colouring:
+        mode = wish.modes[CLOUD]
+        of_layers = (wish.result, wish.colours) if mode == "layer" else ()
+        plain = wish.theme.muted
+        made: colouring.Colouring = self._once(
+            "colours",
+            (scan, mode, plain, *of_layers),
+            lambda: colouring.coloured(scan, mode, result=wish.result, colours=wish.colours, plain=plain),
+        )
+        return made
+
+    def _of_pillars(self, wish: Wish) -> Picture:
+        mode = wish.modes[PILLARS]
+        return self._solid(
+            wish,
+            PILLARS,
+            lambda: blocks.blocks(wish.result, wish.origin, wish.colours, wish.visible, mode=mode),
+        )
+
+    def _of_layers(self, wish: Wish) -> Picture:
+        mode = wish.modes[RECONSTRUCTION]
+        return self._solid(
+            wish,
+            RECONSTRUCTION,
+            lambda: surfaces.surfaces(wish.result, wish.origin, wish.colours, wish.visible, mode=mode),
+        )
+
+    def _solid(self, wish: Wish, view: str, make: Callable[[], tuple[Triangles, ...]]) -> Picture:
+        mode = wish.modes[view]
+        meshes = self._once(view, (wish.result, mode, wish.colours, wish.visible), make)
+        legend = (
+            _heights(wish.result) if mode == "height" else _layers(wish.result, wish.colours, wish.visible)
+        )
+        low, high = (bound - wish.origin for bound in wish.result.scan.bounds())
+        return Picture(_scene(wish, low, high, meshes=meshes), legend)
+
+    def _once(self, name: str, key: tuple[Any, ...], make: Callable[[], Any]) -> Any:
+        """Make a part unless it was made from these very values last time; keeping them keeps them apart."""
+        before = self._parts.pop(name, None)
+        if (
+            before is not None
+            and len(before[0]) == len(key)
+            and all(_same(*pair) for pair in zip(before[0], key, strict=True))
+        ):
+            self._parts[name] = before
+            return before[1]
+        del before  # the old part goes before the new one takes its memory
+        made = make()
+        self._parts[name] = (key, made)
+        return made
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two values are one and the same, or short and equal."""
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        return one is other or (one.size < 10_000 and np.array_equal(one, other))
+    return one is other or (isinstance(one, str | tuple) and bool(one == other))
+
+
+def _scene(
+    wish: Wish,
+    low: Floats,
+    high: Floats,
+    *,
+    points: Points | None = None,
+    meshes: tuple[Triangles, ...] = (),
+) -> Scene:
+    lines: tuple[Lines, ...] = (ground(low, high, wish.theme, wish.origin),)
+    return Scene(points, meshes, lines, low, high)
+
+
+def _heights(result: Reconstruction) -> Legend:
+    low, high = blocks.height_range(result)
+    return Legend("Elevation", "m", ramp("height"), low=low, high=high)
+
+
+def _layers(result: Reconstruction, colours: NDArray[np.uint8], visible: tuple[int, ...]) -> Legend:
+    names = {-1: "Unassigned"} | {layer.index: layer.name for layer in result.layers}
+    shown = sorted((index for index in visible if index in names), reverse=True)
+    if -1 in visible and not result.layering.unassigned:
+        shown.remove(-1)
+    entries = []
+    for index in shown:
+        red, green, blue = (int(part) for part in colours[index])
+        entries.append(((red, green, blue), names[index]))
+    return Legend("Layer", entries=tuple(entries))

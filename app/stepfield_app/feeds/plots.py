@@ -1,0 +1,127 @@
+"""From an answer to what the plots and the layers panel show: functions for workers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.layers import UNASSIGNED
+from stepfield.progress import Progress
+from stepfield.reconstruction import Reconstruction
+from stepfield_app.requests import Answer
+from stepfield_app.scenes.cloud import Cloud
+from stepfield_app.scenes.histogram import of_layers
+from stepfield_app.scenes.palette import UNASSIGNED_CODE
+from stepfield_app.scenes.raster import raster, thumbnail
+from stepfield_app.scenes.section import section
+from stepfield_app.views.line import ProfileLine
+from stepfield_app.views.pictures import Histogram, MapPicture, Section
+
+Colours = NDArray[np.uint8]
+#: Side of a thumbnail in pixels: twice its size on the panel, for screens of 200 %.
+THUMBNAIL = 96
+
+
+@dataclass(frozen=True, eq=False)
+class MapWish:
+    """A layer to draw from above; ``colours`` has a row a layer and one for Unassigned."""
+
+    answer: Answer
+    layer: int
+    mode: str
+    colours: Colours
+
+
+@dataclass(frozen=True, eq=False)
+class PanelWish:
+    """What the layers panel and the histogram need of an answer."""
+
+    answer: Answer
+    colours: Colours
+
+
+@dataclass(frozen=True, eq=False)
+class PanelPictures:
+    """Small pictures of all layers by number, and where the points lie in height."""
+
+    thumbnails: Mapping[int, NDArray[np.uint8]]
+    histogram: Histogram
+
+
+@dataclass(frozen=True, eq=False)
+class SectionWish:
+    """A line to cut along."""
+
+    answer: Answer
+    cloud: Cloud
+    line: ProfileLine
+    colours: Colours
+
+
+def map_picture(wish: MapWish, progress: Progress) -> MapPicture:
+    """Draw a layer from above."""
+    result: Reconstruction = wish.answer.result
+    mode: Any = wish.mode
+    drawn, grid = raster(result, wish.layer, mode), result.field.compartments.grid
+    return MapPicture(
+        layer=wish.layer,
+        name=_name(result, wish.layer),
+        colour=_hex(wish.colours[wish.layer]),
+        pixels=drawn.pixels,
+        west=grid.west,
+        south=grid.south,
+        east=grid.west + grid.columns * grid.cell_size,
+        north=grid.south + grid.rows * grid.cell_size,
+        cell_size=grid.cell_size,
+        legend=drawn.legend,
+    )
+
+
+def panel_pictures(wish: PanelWish, progress: Progress) -> PanelPictures:
+    """Draw every layer small and count points by elevation."""
+    result = wish.answer.result
+    elevations = of_layers(result)
+    levels = tuple(
+        (layer.name, _hex(wish.colours[layer.index]), float(elevations.averages[layer.index]))
+        for layer in result.layers
+    )
+    counts = np.rint(elevations.total).astype(np.int64)
+    numbers = [*(layer.index for layer in result.layers), UNASSIGNED]
+    return PanelPictures(
+        {index: thumbnail(result, index, THUMBNAIL) for index in numbers},
+        Histogram(elevations.edges, counts, levels),
+    )
+
+
+def section_along(wish: SectionWish, progress: Progress) -> Section:
+    """Cut the scan and its pillars along a line."""
+    result, line = wish.answer.result, wish.line
+    found = section(wish.cloud, result, line.start, line.end, line.width)
+    cut, last = found.cut, len(result.layers)
+    foot = np.where(cut.standing, found.base_elevation, cut.low)
+    return Section(
+        start=line.start,
+        end=line.end,
+        width=line.width,
+        distance=found.along.astype(np.float64),
+        elevation=found.elevation,
+        codes=np.where(found.codes == UNASSIGNED_CODE, last, found.codes).astype(np.uint8),
+        spans=np.column_stack([cut.start, cut.end, foot, np.maximum(cut.high, cut.elevation)]),
+        tops=cut.elevation,
+        pillar_codes=np.where(cut.layer < 0, last, cut.layer).astype(np.uint8),
+        colours=wish.colours,
+        total=found.found,
+    )
+
+
+def _name(result: Reconstruction, layer: int) -> str:
+    return "Unassigned" if layer == UNASSIGNED else result.layers[layer].name
+
+
+def _hex(colour: NDArray[np.uint8]) -> str:
+    red, green, blue = (int(part) for part in colour)
+    return f"#{red:02x}{green:02x}{blue:02x}"

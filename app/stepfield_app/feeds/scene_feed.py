@@ -1,0 +1,154 @@
+"""Keeps the three 3-D views true to the document: asks for scenes, hands them to the renderer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QObject, Signal
+
+from stepfield_app.document import Document
+from stepfield_app.facts import ScanFacts
+from stepfield_app.feeds.drawing import POINT_MODES, SOLID_MODES, Drawing, Drawn, Wish
+from stepfield_app.newest import NewestWins
+from stepfield_app.render.client import RenderClient
+from stepfield_app.render.scene import CLOUD, EMPTY, PILLARS, RECONSTRUCTION, VIEWS
+from stepfield_app.requests import Answer
+from stepfield_app.scenes import colouring
+from stepfield_app.scenes.cloud import Cloud
+from stepfield_app.scenes.palette import layer_colours
+from stepfield_app.theme import DARK, Theme
+from stepfield_app.views.trio import Trio
+
+
+@dataclass
+class Choices:
+    """What the operator chose about the views; nothing of it changes the result."""
+
+    modes: dict[str, str] = field(
+        default_factory=lambda: {CLOUD: "height", PILLARS: "layer", RECONSTRUCTION: "layer"}
+    )
+    visible: tuple[int, ...] = ()
+    theme: Theme = DARK
+    marks: NDArray[np.float64] | None = None
+
+
+class SceneFeed(QObject):
+    """Asks for scenes whenever something that shows has changed.
+
+    Parameters
+    ----------
+    document : Document
+    trio : Trio
+    client : RenderClient
+    """
+
+    failed = Signal(object)  # exception
+    cloud_changed = Signal()
+
+    def __init__(self, document: Document, trio: Trio, client: RenderClient) -> None:
+        super().__init__(trio)
+        self._document, self._trio, self._client = document, trio, client
+        self._choices = Choices()
+        self.origin = np.zeros(3)
+        self.cloud: Cloud | None = None
+        self._fits = False
+        self._drawing = NewestWins[Wish, Drawn](Drawing(), "drawing", self)
+        self._drawing.answered.connect(self._show)
+        self._drawing.failed.connect(lambda _, error: self.failed.emit(error))
+        document.facts_changed.connect(self._place)
+        document.answer_changed.connect(self._take)
+        document.opened.connect(self._begin)
+        trio.colour_chosen.connect(self._choose_colour)
+        trio.arranged.connect(self.ask)
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether every scene asked for has been handed over."""
+        return not self._drawing.busy
+
+    def set_visible(self, layers: tuple[int, ...]) -> None:
+        """Show these layers, -1 for Unassigned."""
+        if layers != self._choices.visible:
+            self._choices.visible = layers
+            self.ask()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Draw for a theme."""
+        self._choices.theme = theme
+        red, green, blue = (int(theme.window[at : at + 2], 16) for at in (1, 3, 5))
+        self._client.set_background((red, green, blue))
+        self.ask()
+
+    def set_marks(self, places: NDArray[np.float64] | None) -> None:
+        """Mark places in the cloud, shape (n, 3), scan coordinates in metres; or none."""
+        self._choices.marks = places
+        self.ask()
+
+    def close(self) -> None:
+        """End the worker."""
+        self._drawing.close()
+
+    def ask(self) -> None:
+        """Ask for the scenes of the views that are shown."""
+        answer = self._document.answer
+        if answer is None:
+            return
+        choices = self._choices
+        colours = layer_colours(len(answer.result.layers), self._document.project.layers)
+        views, modes = self._trio.shown, dict(choices.modes)
+        self._drawing.ask(
+            Wish(answer, self.origin, views, modes, colours, choices.visible, choices.theme, choices.marks)
+        )
+
+    def _place(self, facts: ScanFacts | None) -> None:
+        """Place the local origin: at the corner of the scan, so that float32 is exact enough."""
+        if facts is not None:
+            self.origin = np.array(facts.bounds[:3])
+            self._choices.marks = None
+            self._fits = True
+
+    def _begin(self) -> None:
+        """Frame a scan that was just opened as soon as it is drawn."""
+        self._fits = True
+        self._offer_colours()
+
+    def _take(self, answer: Answer | None) -> None:
+        if answer is None:
+            self._drawing.cancel()
+            self.cloud = None
+            for view in VIEWS:
+                self._client.set_scene(view, EMPTY)
+        else:
+            self.ask()
+
+    def _offer_colours(self) -> None:
+        answer = self._document.answer
+        assert answer is not None
+        modes = colouring.modes(answer.result.scan, answer.result)
+        if self._choices.modes[CLOUD] not in modes:
+            self._choices.modes[CLOUD] = "height"
+        offered = {CLOUD: tuple((mode, POINT_MODES[mode]) for mode in modes)}
+        for view in VIEWS:
+            self._trio.headers[view].set_colours(offered.get(view, SOLID_MODES), self._choices.modes[view])
+
+    def _choose_colour(self, view: str, mode: str) -> None:
+        self._choices.modes[view] = mode
+        self.ask()
+
+    def _show(self, wish: Wish, drawn: Drawn) -> None:
+        if wish.origin is not self.origin:
+            return  # of a scan that is open no more
+        if drawn.cloud is not self.cloud:
+            self.cloud = drawn.cloud
+            self.cloud_changed.emit()
+        for view, picture in drawn.pictures.items():
+            self._client.set_scene(view, picture.scene)
+            self._trio.canvases[view].set_legend(picture.legend)
+            self._trio.set_bounds(picture.scene.low, picture.scene.high)
+        if self._fits:
+            self._fits = False
+            self._trio.fit()
+        else:
+            self._trio.viewpoint.stir()

@@ -1,0 +1,244 @@
+"""The window: makes everything, connects everything, holds no data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from PySide6.QtCore import QTimer
+from PySide6.QtGui import QCloseEvent, QShowEvent
+from PySide6.QtWidgets import QMainWindow, QStackedWidget, QVBoxLayout, QWidget
+
+from stepfield.errors import StepfieldError
+from stepfield.parameters import Parameters
+from stepfield_app import commands, docks
+from stepfield_app.appearance import Appearance
+from stepfield_app.document import Document
+from stepfield_app.feeds.demo_feed import DemoFeed
+from stepfield_app.feeds.plot_feed import PlotFeed
+from stepfield_app.feeds.scene_feed import SceneFeed
+from stepfield_app.feeds.status_feed import StatusFeed
+from stepfield_app.feeds.stray_feed import StrayFeed
+from stepfield_app.opening import DropTarget
+from stepfield_app.panels.cleaning import CleaningPanel
+from stepfield_app.panels.history import HistoryPanel
+from stepfield_app.panels.layers import LayersPanel
+from stepfield_app.panels.parameters import ParametersPanel
+from stepfield_app.render.client import RenderClient
+from stepfield_app.settings import Settings
+from stepfield_app.theme import Theme
+from stepfield_app.tools.crop import CropTool
+from stepfield_app.views.histogram import HistogramView
+from stepfield_app.views.map import MapView
+from stepfield_app.views.message_bar import MessageBar
+from stepfield_app.views.profile import ProfileView
+from stepfield_app.views.status import Status
+from stepfield_app.views.trio import Trio
+from stepfield_app.views.welcome import WelcomePage
+
+#: Size of the window when nothing else is said.
+USUAL_SIZE = (1440, 900)
+
+
+class MainWindow(QMainWindow):
+    """Stepfield's window.
+
+    Parameters
+    ----------
+    appearance : Appearance
+    settings : Settings
+    size : tuple of int, optional
+        Width and height in pixels; as the operator left it by default.
+    remembers : bool
+        False leaves the operator's arrangement and recent files alone.
+    """
+
+    def __init__(
+        self,
+        appearance: Appearance,
+        settings: Settings,
+        *,
+        size: tuple[int, int] | None = None,
+        remembers: bool = True,
+    ) -> None:
+        super().__init__()
+        self.setWindowTitle("Stepfield")
+        self.resize(*(size or USUAL_SIZE))
+        self.setDockOptions(QMainWindow.DockOption.AllowTabbedDocks | QMainWindow.DockOption.AllowNestedDocks)
+        self.appearance, self.settings, self._remembers = appearance, settings, remembers
+        self.trouble: StepfieldError | None = None
+        self.document = Document(parent=self)
+        self.client = RenderClient(self)
+        self._make_views()
+        self._make_panels()
+        self._make_feeds()
+        self.actions_ = commands.make(self)
+        self._connect()
+        docks.arrange(self, self.docks)
+        if remembers:
+            docks.restore(self, settings, with_size=size is None)
+        self._dress(appearance.theme)
+        self._show_whether_open()
+
+    # --- Making ---------------------------------------------------------------------------------------------
+
+    def _make_views(self) -> None:
+        self.trio = Trio(self.client)
+        self.welcome = WelcomePage(self.settings.recent)
+        self.message_bar = MessageBar(self.appearance.theme)
+        self._middle = QStackedWidget()
+        self._middle.addWidget(self.welcome)
+        self._middle.addWidget(self.trio)
+        centre = QWidget()
+        layout = QVBoxLayout(centre)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(0)
+        layout.addWidget(self.message_bar)
+        layout.addWidget(self._middle, 1)
+        self.setCentralWidget(centre)
+        self.status = Status(self)
+        self.setStatusBar(self.status)
+
+    def _make_panels(self) -> None:
+        self.map, self.profile, self.histogram = MapView(), ProfileView(), HistogramView()
+        self.parameters, self.cleaning = ParametersPanel(self.document), CleaningPanel(self.document)
+        self.layers, self.history = LayersPanel(self.document), HistoryPanel(self.document.undo_stack)
+        self.docks = docks.Docks(
+            parameters=docks.docked(self, "Parameters", self.parameters, docks.LEFT),
+            cleaning=docks.docked(self, "Cleaning", self.cleaning, docks.LEFT),
+            elevations=docks.docked(self, "Elevations", self.histogram, docks.LEFT),
+            layers=docks.docked(self, "Layers", self.layers, docks.RIGHT),
+            history=docks.docked(self, "History", self.history, docks.RIGHT),
+            map=docks.docked(self, "Map", self.map, docks.BOTTOM),
+            profile=docks.docked(self, "Profile", self.profile, docks.BOTTOM),
+        )
+
+    def _make_feeds(self) -> None:
+        self.scene_feed = SceneFeed(self.document, self.trio, self.client)
+        self.plot_feed = PlotFeed(
+            self.document, self.scene_feed, self.map, self.profile, self.histogram, self.layers
+        )
+        self.status_feed = StatusFeed(self.document, self.status, self.trio, self.map, self.scene_feed)
+        self.stray_feed = StrayFeed(self.document, self.cleaning, self.scene_feed)
+        self.demo_feed = DemoFeed(self)
+        self.crop_tool = CropTool(self.document, self.trio, self.scene_feed)
+
+    def _connect(self) -> None:
+        document = self.document
+        document.failed.connect(self.tell)
+        document.opened.connect(self._note_opened)
+        document.answer_changed.connect(lambda _: self._show_whether_open())
+        for view in (self.trio, self.map, self.profile, self.histogram):
+            document.pending_changed.connect(view.set_pending)
+        self.profile.place_hovered.connect(lambda x, y: self.map.set_mark((x, y)))
+        self.profile.cursor_left.connect(lambda: self.map.set_mark(None))
+        for feed in (self.scene_feed, self.plot_feed, self.stray_feed, self.demo_feed):
+            feed.failed.connect(self.tell)
+        self.layers.visibility_changed.connect(
+            lambda: self.scene_feed.set_visible(self.layers.visible_layers())
+        )
+        self.cleaning.crop_tool_requested.connect(self.crop_tool.set_active)
+        self.welcome.open_wanted.connect(lambda: commands.open_dialog(self))
+        self.welcome.demo_wanted.connect(self.demo_feed.start)
+        self.welcome.files_chosen.connect(self.open_scans)
+        self.demo_feed.progressed.connect(self.status.show_progress)
+        self.demo_feed.made.connect(self.open_scans)
+        self.status.cancel_wanted.connect(self.cancel)
+        DropTarget(self).dropped.connect(self.open_scans)
+        self.appearance.changed.connect(self._dress)
+
+    # --- Doing ----------------------------------------------------------------------------------------------
+
+    def open_scans(self, files: Sequence[Path], parameters: Parameters | None = None) -> None:
+        """Open the files of one scan; the present one stays until the new one has been read."""
+        self.message_bar.dismiss_all()
+        self.document.open(files, parameters)
+
+    def cancel(self) -> None:
+        """Stop what is being made."""
+        self.demo_feed.cancel()
+        self.document.cancel()
+
+    def tell(self, error: BaseException) -> None:
+        """Show a failure, in the one place that shows any."""
+        if isinstance(error, StepfieldError):
+            self.trouble = error
+            self.message_bar.tell("error", str(error))
+        else:
+            self.tell_unexpected(commands.traceback_of(error))
+
+    def tell_unexpected(self, details: str) -> None:
+        """Show a fault of the program's own, with what helps to mend it."""
+        self.trouble = StepfieldError("something unexpected went wrong in the window; the details say what")
+        self.message_bar.tell(
+            "error", f"{self.trouble}. Your scan and its parameters are as they were.", details
+        )
+
+    def is_settled(self) -> bool:
+        """Whether everything that was asked for is on the screen."""
+        nothing_is_made = not (self.document.busy or self.document.pending or self.demo_feed.is_busy)
+        return (
+            nothing_is_made
+            and self.scene_feed.is_idle
+            and self.plot_feed.is_idle
+            and self.stray_feed.is_idle
+            and self._is_drawn()
+        )
+
+    def _is_drawn(self) -> bool:
+        return self.document.answer is None or (
+            not self.trio.viewpoint.is_moving and self.client.is_at_rest()
+        )
+
+    # --- Following ------------------------------------------------------------------------------------------
+
+    def _note_opened(self) -> None:
+        files = self.document.scans
+        self.trouble = None
+        if self._remembers:
+            self.settings.remember_opened(files)
+            self.welcome.set_recent(self.settings.recent)
+        more = f" and {len(files) - 1} more" if len(files) > 1 else ""
+        self.setWindowTitle(f"{files[0].name}{more} – Stepfield")
+        assert self.document.answer is not None
+        for warning in self.document.answer.result.scan.warnings:
+            self.message_bar.tell("warning", warning)
+
+    def _show_whether_open(self) -> None:
+        is_open = self.document.answer is not None
+        if is_open == (self._middle.currentWidget() is self.trio) and self.isVisible():
+            return
+        self._middle.setCurrentWidget(self.trio if is_open else self.welcome)
+        self.actions_.enable(is_open)
+        if not is_open:
+            self.setWindowTitle("Stepfield")
+
+    def _dress(self, theme: Theme) -> None:
+        for part in (
+            self.trio,
+            self.map,
+            self.profile,
+            self.histogram,
+            self.layers,
+            self.message_bar,
+            self.crop_tool,
+        ):
+            part.set_theme(theme)
+        self.scene_feed.set_theme(theme)
+
+    def showEvent(self, event: QShowEvent) -> None:  # noqa: N802
+        """Start what draws in 3-D once the window is there: it takes seconds, and nobody has to wait."""
+        super().showEvent(event)
+        QTimer.singleShot(0, self.client.start)
+
+    def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
+        """Stop everything; no process and no thread is left."""
+        if self._remembers:
+            docks.remember(self, self.settings)
+        self.demo_feed.close()
+        self.plot_feed.close()
+        self.stray_feed.close()
+        self.scene_feed.close()
+        self.document.close()
+        self.client.close()
+        super().closeEvent(event)

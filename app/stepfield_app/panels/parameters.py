@@ -1,0 +1,169 @@
+"""The parameters of the method: every control is one edit of the document, and shows what that says."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
+
+from stepfield_app.document import Document
+from stepfield_app.facts import ScanFacts
+from stepfield_app.panels.hand import WheelGuard
+from stepfield_app.panels.lengths import Range
+from stepfield_app.panels.page import GRID, Fold, Page, PendingMark, column, heading
+from stepfield_app.panels.rows import ChoiceRow, CountRow, Described, LengthRow
+
+CELL_SIZE = Described(
+    "cell_size",
+    "Cell size",
+    "Side of a compartment of the grid (5.1): smaller shows more, and needs more points",
+)
+ALPHA = Described("alpha", "Alpha", "Distance of the base plane below the lowest point of the scan (Eq. 1)")
+TOLERANCE = Described(
+    "layer_tolerance",
+    "Tolerance",
+    "Layer tolerance: a vertical gap wider than this parts two pillars of a compartment (5.3.2)",
+)
+LAYERING = Described(
+    "layering",
+    "Layering",
+    "How pillars get layers (5.3.3): by average elevation, or in order from the lowest of each compartment",
+)
+PILLAR_HEIGHT = Described(
+    "pillar_height", "Pillar height", "Which elevation of its points a pillar is given (5.1)"
+)
+MIN_POINTS = Described("min_points", "Least points", "A pillar of fewer points is left out of every layer")
+MAX_LAYERS = Described(
+    "max_layers", "Most layers", "Pillars beyond this many in a compartment are left unassigned"
+)
+LINK_STEP = Described(
+    "link_step", "Link step", "Greatest height step at which two neighbouring pillars still belong together"
+)
+BITS = Described("bits", "Bits", "Bits of a pixel of the height-maps (Eq. 2 is 8)")
+PAD = Described("pad", "Padding", "Widen the images to powers of two, as most simulators ask")
+WHITE = Described(
+    "range", "White", "Whose greatest height is white: that of all layers, or of each layer its own"
+)
+
+OPTIONS: dict[str, tuple[tuple[str, Any], ...]] = {
+    "layering": (("by elevation", "elevation"), ("by rank", "rank")),
+    "pillar_height": (
+        ("mean", "mean"),
+        ("highest point", "max"),
+        ("median", "median"),
+        ("90th percentile", "p90"),
+    ),
+    "max_layers": (("auto", "auto"), ("no limit", "none"), *((str(n), n) for n in range(1, 13))),
+    "bits": (("16 bits", 16), ("8 bits", 8)),
+    "pad": (("powers of two", "pow2"), ("none", "none")),
+    "range": (("shared by all layers", "shared"), ("of each layer", "layer")),
+}
+MOST_POINTS = 1_000_000
+EMPTY = "Cell size, alpha and layer tolerance are tuned here. Open a scan to begin (Ctrl+O)."
+#: Shares of the scan's extent that lengths are offered between.
+FINEST, COARSEST_CELL = 1 / 2000, 1 / 4
+
+
+class ParametersPanel(QWidget):
+    """Sliders, boxes and choices for the parameters of the method.
+
+    Parameters
+    ----------
+    document : Document
+    parent : QWidget, optional
+    """
+
+    def __init__(self, document: Document, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._document = document
+        self._make_rows()
+        self._page = Page(self._content(), EMPTY)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self._page)
+        document.project_changed.connect(self._show)
+        document.answer_changed.connect(self._show)
+        document.facts_changed.connect(self._adapt)
+        self._adapt(document.facts)
+
+    def _make_rows(self) -> None:
+        document = self._document
+        self.cell_size = LengthRow(CELL_SIZE, document, self)
+        self.alpha = LengthRow(ALPHA, document, self)
+        self.tolerance = LengthRow(TOLERANCE, document, self)
+        self.link_step = LengthRow(LINK_STEP, document, self)
+        self.min_points = CountRow(MIN_POINTS, MOST_POINTS, document, self)
+        described = (LAYERING, PILLAR_HEIGHT, MAX_LAYERS, BITS, PAD, WHITE)
+        self.choices = {each.name: ChoiceRow(each, OPTIONS[each.name], document, self) for each in described}
+        self._rows: tuple[LengthRow | CountRow | ChoiceRow, ...] = (
+            *(self.cell_size, self.alpha, self.tolerance, self.link_step, self.min_points),
+            *self.choices.values(),
+        )
+        guard = WheelGuard(self)
+        for row in self._rows:
+            row.guard(guard)
+
+    def _content(self) -> QWidget:
+        content = QWidget()
+        title = QHBoxLayout()
+        title.addWidget(heading("Method"))
+        title.addWidget(PendingMark(self._document), 1)
+        layout = column()
+        layout.addLayout(title)
+        first = [self.cell_size, self.alpha, self.tolerance]
+        layout.addLayout(_grid([*first, self.choices["layering"], self.choices["pillar_height"]]))
+        more = QWidget()
+        rest = [self.choices[name] for name in ("max_layers", "bits", "pad", "range")]
+        more.setLayout(_grid([self.link_step, self.min_points, *rest]))
+        layout.addWidget(Fold("More", more))
+        layout.addStretch(1)
+        content.setLayout(layout)
+        return content
+
+    def _show(self, _: object = None) -> None:
+        """Show what the document says."""
+        answer = self._document.answer
+        picked = answer.result.parameters if answer else None
+        for row in self._rows:
+            row.show_value(self._document.project.parameters, picked)
+
+    def _adapt(self, facts: ScanFacts | None) -> None:
+        """Offer the lengths that suit the scan."""
+        self._page.set_filled(facts is not None)
+        if facts is not None:
+            cells, heights = cell_range(facts), height_range(facts)
+            self.cell_size.set_range(cells)
+            for row in (self.alpha, self.tolerance, self.link_step):
+                row.set_range(heights)
+        self._show()
+
+
+def cell_range(facts: ScanFacts) -> Range:
+    """Cell sizes from a fine grid to a few compartments."""
+    side = _side(facts)
+    return Range(side * FINEST, side * COARSEST_CELL)
+
+
+def height_range(facts: ScanFacts) -> Range:
+    """Heights up to that of the scan; a flat one has none, so its side must do."""
+    height = facts.bounds[5] - facts.bounds[2]
+    most = max(height, _side(facts) / 100)
+    return Range(most * FINEST, most)
+
+
+def _side(facts: ScanFacts) -> float:
+    """Longer side of the scan in plan, metres; of a single point, one."""
+    bounds = facts.bounds
+    return max(bounds[3] - bounds[0], bounds[4] - bounds[1]) or 1.0
+
+
+def _grid(rows: list[Any]) -> QGridLayout:
+    """Lay rows of controls out in common columns."""
+    grid = QGridLayout()
+    grid.setContentsMargins(0, 0, 0, 0)
+    grid.setHorizontalSpacing(GRID)
+    grid.setVerticalSpacing(GRID)
+    grid.setColumnStretch(1, 1)
+    for place, row in enumerate(rows):
+        row.place(grid, 2 * place)  # a length takes two
+    return grid

@@ -1,0 +1,136 @@
+"""One view as the window knows it: what is wanted, what was asked for, what came."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import count
+
+from stepfield_app.render.camera import Camera, Size
+from stepfield_app.render.protocol import Draw, Drawn, camera_tree, frame_bytes
+from stepfield_app.render.scene import EMPTY, Frame, Scene
+from stepfield_app.render.slots import Slot, Slots
+
+#: Scenes with more points or triangles than this are shown in less detail first.
+MANY = 300_000
+#: Room for pictures is reserved in steps of so many bytes, so that a window being resized keeps its files.
+ROOM = 1 << 20
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A picture on its way."""
+
+    slot: Slot
+    camera: Camera
+    moving: bool
+    wish: int
+
+
+@dataclass
+class View:
+    """Wishes are numbered; a frame of the newest wish, in full, means rest."""
+
+    name: str
+    slots: Slots
+    shown: bool = False
+    scene: Scene = EMPTY
+    sent: Scene | None = None
+    camera: Camera | None = None
+    size: Size = (1, 1)
+    moving: bool = False
+    frame: Frame | None = None
+    _wish: int = 0
+    _asked_quick: int = -1
+    _asked_full: int = -1
+    _finished: int = -1
+    _asked: dict[int, Asked] = field(default_factory=dict)
+    _numbers: count[int] = field(default_factory=count)
+
+    def set_scene(self, scene: Scene) -> None:
+        """Want another scene."""
+        if scene is not self.scene:
+            self.scene = scene
+            self.change()
+
+    def set_camera(self, camera: Camera, size: Size, moving: bool) -> None:
+        """Want another camera, size or detail."""
+        size = max(size[0], 1), max(size[1], 1)
+        if (camera, size, moving) != (self.camera, self.size, self.moving):
+            self.camera, self.size, self.moving = camera, size, moving
+            self.change()
+            if not moving:  # the last moving picture is on the screen already
+                self._asked_quick = self._wish
+
+    def change(self) -> None:
+        """Want a new picture."""
+        self._wish += 1
+
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether the frame is the newest wish in full."""
+        return self._finished == self._wish
+
+    @property
+    def may_ask(self) -> bool:
+        """Whether a picture is wanted and not too many are on their way.
+
+        Quick ones are asked for one at a time; a full one may be overtaken by one more.
+        """
+        asked = self._asked.values()
+        if self.camera is None or any(one.moving for one in asked) or len(asked) > 1:
+            return False
+        return self._wants_quick or self._wants_full
+
+    def ask(self) -> Draw:
+        """Ask for the next picture."""
+        assert self.camera is not None
+        quick = self._wants_quick
+        if quick:
+            self._asked_quick = self._wish
+        else:
+            self._asked_full = self._wish
+        slot = self.slots.free(-(-frame_bytes(self.size) // ROOM) * ROOM)
+        slot.asked = True
+        number = next(self._numbers)
+        self._asked[number] = Asked(slot, self.camera, quick, self._wish)
+        return Draw(self.name, number, camera_tree(self.camera), self.size, quick, str(slot.path))
+
+    def take(self, drawn: Drawn) -> bool:
+        """Take a picture that came; False if nobody asked for it."""
+        asked = self._asked.pop(drawn.number, None)
+        if asked is None:
+            return False
+        asked.slot.asked = False
+        pixels, depth = asked.slot.picture(drawn.size, drawn.depth)
+        counts = drawn.points, drawn.triangles, drawn.covered
+        self.frame = Frame(pixels, depth, asked.camera, drawn.moving, *counts, drawn.seconds)
+        if not drawn.moving:
+            self._finished = asked.wish
+        return True
+
+    def drop(self, number: int) -> None:
+        """Note that a picture will not come."""
+        asked = self._asked.pop(number, None)
+        if asked:
+            asked.slot.asked = False
+
+    def forget_sent(self) -> None:
+        """Begin again: the drawing process is a new one and knows nothing."""
+        for number in list(self._asked):
+            self.drop(number)
+        self.sent = None
+        self._finished = self._asked_quick = self._asked_full = -1
+
+    @property
+    def _wants_quick(self) -> bool:
+        """Whether a picture with less detail comes next: while a hand moves, and first of a large scene."""
+        return self._asked_quick != self._wish and (self.moving or self._is_large)
+
+    @property
+    def _wants_full(self) -> bool:
+        return not self.moving and self._asked_full != self._wish
+
+    @property
+    def _is_large(self) -> bool:
+        points = len(self.scene.points.places) if self.scene.points else 0
+        return points > MANY or any(len(mesh.triangles) > MANY for mesh in self.scene.meshes[:1])

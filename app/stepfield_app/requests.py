@@ -1,0 +1,43 @@
+"""What the window asks of the core, and what it gets back: frozen values, both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from stepfield.parameters import Parameters
+from stepfield.project import LayerStyle, Move
+from stepfield.reconstruction import Reconstruction
+
+DEFAULTS = Parameters()
+
+
+@dataclass(frozen=True)
+class Request:
+    """One run of the method.
+
+    Attributes
+    ----------
+    scans : tuple of Path
+        Files of one scan.
+    parameters : Parameters
+    moves : tuple of Move
+    styles : tuple of LayerStyle
+    quick : bool
+        Whether a preview from fewer points will do.
+    """
+
+    scans: tuple[Path, ...]
+    parameters: Parameters = DEFAULTS
+    moves: tuple[Move, ...] = ()
+    styles: tuple[LayerStyle, ...] = ()
+    quick: bool = False
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a request led to, and how long that took in seconds."""
+
+    request: Request
+    result: Reconstruction
+    seconds: float

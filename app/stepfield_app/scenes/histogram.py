@@ -1,0 +1,79 @@
+"""How the points of a scan spread over elevation, layer by layer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.reconstruction import Reconstruction
+from stepfield_app.scenes.arrays import frozen, robust_range, sample
+
+Floats = NDArray[np.float64]
+
+#: Points that stand for all of them: beyond it, counts are estimates.
+SAMPLE = 250_000
+BINS = 128
+#: Share of the points at either end that may lie beyond the bins, and room beside the others.
+STRAYS, MARGIN = 0.001, 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Elevations:
+    """Points by elevation.
+
+    Attributes
+    ----------
+    edges : ndarray of shape (bins + 1,), float64
+        Scan coordinates, metres, ascending.
+    counts : ndarray of shape (layers + 1, bins), float64
+        Points of each layer, lowest layer first, and Unassigned last; estimated from a sample when the
+        scan is large.
+    averages : ndarray of shape (layers,), float64
+        Average elevation of each layer's pillars, scan coordinates, metres; NaN for an empty layer.
+    exact : bool
+        Whether every point was counted.
+    """
+
+    edges: Floats
+    counts: Floats
+    averages: Floats
+    exact: bool
+
+    @property
+    def total(self) -> Floats:
+        """Points of all layers together, shape (bins,)."""
+        total: Floats = self.counts.sum(axis=0)
+        return total
+
+
+def of_layers(result: Reconstruction, bins: int = BINS) -> Elevations:
+    """Count the points of each layer, from the points sorted by compartment."""
+    field, layering = result.field, result.layering
+    cells = field.compartments
+    part = sample(len(cells.ticks), SAMPLE)
+    distance = cells.ticks[part] * np.float64(cells.tick)
+    edges = _edges(distance, bins)
+    pillar = np.searchsorted(field.start, np.arange(0, len(cells.ticks), part.step), side="right") - 1
+    layer = layering.layer[pillar]
+    layer = np.where(layer < 0, layering.count, layer)
+    counts = _counted(distance, layer, layering.count + 1, edges) * (len(cells.ticks) / len(distance))
+    averages = layering.averages(field.elevation) + cells.lowest
+    return Elevations(frozen(edges + cells.lowest), frozen(counts), frozen(averages), exact=part.step == 1)
+
+
+def _edges(distance: Floats, bins: int) -> Floats:
+    """Bins over nearly all points: a few strays far above would leave everything else a handful of bins."""
+    low, high = robust_range(distance, STRAYS)
+    margin = MARGIN * (high - low)
+    first, last = max(float(distance.min()), low - margin), min(float(distance.max()), high + margin)
+    return np.linspace(first, last if last > first else first + 1e-3, bins + 1)
+
+
+def _counted(distance: Floats, row: NDArray[np.int64], rows: int, edges: Floats) -> Floats:
+    """Count by row and bin; points beyond the edges count in the bins at the ends."""
+    bins = len(edges) - 1
+    place = (distance - edges[0]) * (bins / (edges[-1] - edges[0]))
+    column = np.clip(place, 0, bins - 1).astype(np.int64)
+    return np.bincount(row * bins + column, minlength=rows * bins).reshape(rows, bins).astype(np.float64)

@@ -1,0 +1,185 @@
+"""A layer seen from above, one pixel a compartment.
+
+Row 0 is north, column 0 is west; holes are transparent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.heightmap import GrayScale
+from stepfield.layers import UNASSIGNED
+from stepfield.reconstruction import Reconstruction
+from stepfield_app.scenes.arrays import frozen, robust_range, steps
+from stepfield_app.scenes.legend import Legend
+from stepfield_app.theme import ramp
+
+Bytes = NDArray[np.uint8]
+Singles = NDArray[np.float32]
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Mode = Literal["gray", "colour", "hillshade"]
+
+#: Where the light of the hillshade comes from: the north-west, half-way up.
+LIGHT = (-0.5, 0.5, 0.7071)
+#: Light that a slope facing away still has.
+AMBIENT = 0.35
+
+
+@dataclass(frozen=True, eq=False)
+class Raster:
+    """A picture of a layer and the numbers in it.
+
+    Attributes
+    ----------
+    pixels : ndarray of shape (rows, columns, 4), uint8
+        Red, green, blue, opacity (0 in holes).
+    elevations : ndarray of shape (rows, columns), float32
+        Scan coordinates, metres; NaN in holes.
+    legend : Legend
+    """
+
+    pixels: Bytes
+    elevations: Singles
+    legend: Legend
+
+
+def raster(
+    result: Reconstruction, layer: int, mode: Mode = "hillshade", span: tuple[float, float] | None = None
+) -> Raster:
+    """Draw a layer from above.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    layer : int
+        -1 for the pillars in no layer, the highest of each compartment.
+    mode : str
+        ``gray``: as the exported image, without its padding. ``colour``: by height. ``hillshade``: the same
+        with light from the north-west.
+    span : tuple of float
+        Elevations the ramp spans, scan coordinates; the layer's own by default.
+    """
+    heights = elevations(result, layer)
+    if mode == "gray":
+        gray = _exported(result, layer, heights)
+        return Raster(
+            _opaque(np.repeat(gray[:, :, np.newaxis], 3, axis=2), heights), heights, _levels(result)
+        )
+    low, high = span or robust_range(heights)
+    colours = ramp("height")[steps(heights, low, high, 256)]
+    if mode == "hillshade":
+        shade = hillshade(heights, result.field.compartments.grid.cell_size)
+        colours = np.rint(colours * shade[:, :, np.newaxis]).astype(np.uint8)
+    return Raster(
+        _opaque(colours, heights), heights, Legend("Elevation", "m", ramp("height"), low=low, high=high)
+    )
+
+
+def elevations(result: Reconstruction, layer: int) -> Singles:
+    """Elevations of a layer, shape (rows, columns), float32, scan coordinates, metres; NaN in holes."""
+    grid, (compartment, elevation) = result.field.compartments.grid, _members(result, layer)
+    heights = np.full(len(grid), np.nan, np.float32)
+    heights[compartment] = elevation
+    return frozen(heights.reshape(grid.rows, grid.columns))
+
+
+def hillshade(heights: Singles, cell_size: float) -> Singles:
+    """Light on a surface of elevations, shape (rows, columns), 0 to 1; level ground has 0.92.
+
+    A hole counts as level with whatever is beside it.
+    """
+    east, north = _slope(heights, cell_size, axis=1), -_slope(heights, cell_size, axis=0)
+    towards = np.float32(LIGHT[2]) - np.float32(LIGHT[0]) * east - np.float32(LIGHT[1]) * north
+    towards /= np.sqrt(1 + np.square(east) + np.square(north))
+    light = np.float32(AMBIENT) + np.float32((0.92 - AMBIENT) / LIGHT[2]) * towards
+    lit: Singles = np.clip(np.nan_to_num(light, nan=1.0), AMBIENT, 1)
+    return lit
+
+
+def thumbnail(
+    result: Reconstruction, layer: int, side: int = 48, colour: tuple[int, int, int] | None = None
+) -> Bytes:
+    """Draw a layer small, so that even a single pillar shows: each pixel is the highest of its compartments.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    layer : int
+    side : int
+        Pixels at most; small grids are enlarged by a whole number.
+    colour : tuple of int
+        Of the highest pillar, the lower ones darker; the height ramp by default.
+
+    Returns
+    -------
+    ndarray of shape (h, w, 4), uint8
+    """
+    grid, (compartment, elevation) = result.field.compartments.grid, _members(result, layer)
+    factor = max(1, -(-max(grid.rows, grid.columns) // side))
+    row, column = (place // factor for place in grid.row_column(compartment))
+    small = np.full((-(-grid.rows // factor), -(-grid.columns // factor)), -np.inf)
+    np.maximum.at(small, (row, column), elevation)
+    small[np.isneginf(small)] = np.nan
+    share = steps(small, *robust_range(small, 0.02), 256)
+    if colour is None:
+        colours: Bytes = ramp("height")[share]
+    else:
+        dimmed = np.array(colour) * (0.55 + 0.45 / 255 * share[:, :, np.newaxis])
+        colours = np.rint(dimmed).astype(np.uint8)
+    picture, times = _opaque(colours, small), max(1, side // max(small.shape))
+    return frozen(picture.repeat(times, axis=0).repeat(times, axis=1))
+
+
+def _members(result: Reconstruction, layer: int) -> tuple[Integers, Floats]:
+    """Compartments of a layer's pillars, and their elevations in scan coordinates."""
+    pillars = result.layering.members(UNASSIGNED) if layer == UNASSIGNED else result.layers[layer].pillars
+    field = result.field
+    return field.compartment[pillars], field.elevation[pillars] + field.compartments.lowest
+
+
+def _exported(result: Reconstruction, layer: int, heights: Singles) -> Bytes:
+    """Gray levels as the exported image has them, in 8 bits."""
+    if layer == UNASSIGNED:  # which is not exported
+        scale = GrayScale(result.max_height, 8)
+        above = np.nan_to_num(heights.astype(np.float64) - result.base_elevation)
+        return np.clip(scale.encode(np.clip(above, 0, result.max_height)), 0, 255).astype(np.uint8)
+    frame, shape = result.frame, heights.shape
+    gray = result.height_map(result.layers[layer]).gray
+    gray = gray[frame.row : frame.row + shape[0], frame.column : frame.column + shape[1]]
+    return (gray >> 8).astype(np.uint8) if gray.dtype == np.uint16 else gray.astype(np.uint8)
+
+
+def _levels(result: Reconstruction) -> Legend:
+    """Legend of the exported grays: from the base plane to white."""
+    base = result.base_elevation
+    return Legend("Elevation", "m", ramp("intensity"), low=base, high=base + result.max_height)
+
+
+def _opaque(colours: Bytes, heights: NDArray[np.floating]) -> Bytes:
+    """Add opacity: none in holes, where the colour is black too."""
+    pixels = np.empty((*heights.shape, 4), np.uint8)
+    pixels[:, :, :3] = colours
+    pixels[:, :, 3] = 255
+    pixels[np.isnan(heights)] = 0
+    return frozen(pixels)
+
+
+def _slope(heights: Singles, cell_size: float, axis: int) -> Singles:
+    """Rise towards higher indices along an axis, over the neighbours there are."""
+    before, after = np.roll(heights, 1, axis), np.roll(heights, -1, axis)
+    edge: list[slice | int] = [slice(None), slice(None)]
+    edge[axis] = 0
+    before[tuple(edge)] = np.nan
+    edge[axis] = -1
+    after[tuple(edge)] = np.nan
+    no_before, no_after = np.isnan(before), np.isnan(after)
+    np.copyto(before, heights, where=no_before)
+    np.copyto(after, heights, where=no_after)
+    apart = 2.0 - no_before - no_after
+    slope: Singles = ((after - before) / (np.maximum(apart, 1) * cell_size)).astype(np.float32)
+    return slope

@@ -1,0 +1,137 @@
+"""The layers as surfaces: what a simulator draws from the height-maps (paper 6), or their pillars."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.grid import Grid
+from stepfield.reconstruction import Layer, Reconstruction
+from stepfield.surface import as_simulator
+from stepfield_app.render.scene import Triangles
+from stepfield_app.scenes.arrays import frozen, steps
+from stepfield_app.scenes.blocks import height_range, meshes
+from stepfield_app.scenes.stacks import own_columns
+from stepfield_app.theme import ramp
+
+Bytes = NDArray[np.uint8]
+Singles = NDArray[np.float32]
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Way = Literal["simulator", "pillars"]
+Mode = Literal["layer", "height"]
+
+#: Every so manieth pixel of the height-maps, the finest level first.
+STRIDES = (1, 2, 4)
+#: Where the light comes from: high in the north-west.
+LIGHT = np.array([-0.46, 0.38, 0.80], np.float32)
+#: Light that reaches every face.
+AMBIENT = 0.38
+#: Pixels above which the finest level is left out: no screen shows them.
+MOST_PIXELS = 1 << 21
+
+
+def surfaces(
+    result: Reconstruction,
+    origin: Floats,
+    colours: Bytes,
+    visible: Collection[int],
+    way: Way = "simulator",
+    mode: Mode = "layer",
+) -> tuple[Triangles, ...]:
+    """Return the visible layers in levels of detail, the finest first.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    origin : ndarray of shape (3,)
+        Scan coordinates, metres.
+    colours : ndarray of shape (layers + 1, 3), uint8
+        Unassigned last; it has no surface.
+    visible : collection of int
+    way : str
+        ``simulator``: a vertex a pixel, a quad where all four are occupied. ``pillars``: blocks from the
+        base plane to each pillar's top.
+    mode : str
+        Colour by ``layer``, or by ``height`` over :func:`~stepfield_app.scenes.blocks.height_range`.
+    """
+    low, high = height_range(result)
+    span = (low - origin[2], high - origin[2]) if mode == "height" else None
+    layers = [layer for layer in result.layers if layer.index in visible]
+    if way == "pillars":
+        made = [meshes(own_columns(result, layer, origin), colours, span, len(STRIDES)) for layer in layers]
+        return tuple(
+            merged([levels[min(i, len(levels) - 1)] for levels in made]) for i in range(len(STRIDES))
+        )
+    return tuple(
+        merged([_drawn(result, layer, stride, origin, colours, span) for layer in layers])
+        for stride in _strides(layers)
+    )
+
+
+def merged(parts: Collection[Triangles]) -> Triangles:
+    """Make one mesh of several, in order."""
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    empty = Triangles(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32), np.zeros((0, 3), np.uint8))
+    shifted = [part.triangles + np.int32(start) for part, start in zip(parts, starts, strict=False)]
+    return Triangles(
+        frozen(np.concatenate([empty.vertices, *(part.vertices for part in parts)])),
+        frozen(np.concatenate([empty.triangles, *shifted])),
+        frozen(np.concatenate([empty.colours, *(part.colours for part in parts)])),
+    )
+
+
+def _strides(layers: Collection[Layer]) -> tuple[int, ...]:
+    pixels = sum(len(layer.pillars) for layer in layers)
+    return STRIDES if pixels <= MOST_PIXELS else STRIDES[1:]
+
+
+def _drawn(
+    result: Reconstruction,
+    layer: Layer,
+    stride: int,
+    origin: Floats,
+    colours: Bytes,
+    span: tuple[float, float] | None,
+) -> Triangles:
+    """Draw one layer as a simulator does, from every ``stride``-th pixel."""
+    grid, compartment, elevation = _thinned(result, layer, stride)
+    mesh = as_simulator(grid, compartment, elevation + (result.field.compartments.lowest))
+    vertices = (mesh.vertices - origin).astype(np.float32)
+    triangles = mesh.triangles.astype(np.int32)
+    base = colours[layer.index] if span is None else ramp("height")[steps(vertices[:, 2], *span, 256)]
+    light = _light(vertices, triangles)
+    shaded = np.rint(base * light[:, np.newaxis]).astype(np.uint8).reshape(-1, 3)
+    return Triangles(frozen(vertices), frozen(triangles), frozen(shaded))
+
+
+def _thinned(result: Reconstruction, layer: Layer, stride: int) -> tuple[Grid, Integers, Floats]:
+    """Keep every ``stride``-th row and column, on a grid whose compartments have the same middles."""
+    grid, compartment = result.field.compartments.grid, result.field.compartment[layer.pillars]
+    if stride == 1:
+        return grid, compartment, layer.elevation
+    row, column = grid.row_column(compartment)
+    kept = (row % stride == 0) & (column % stride == 0)
+    rows, columns = -(-grid.rows // stride), -(-grid.columns // stride)
+    side = grid.cell_size * stride
+    west = grid.west + grid.cell_size / 2 - side / 2
+    south = grid.south + (grid.rows - 0.5) * grid.cell_size - (rows - 0.5) * side
+    thinned = Grid(west, south, side, columns, rows)
+    return thinned, row[kept] // stride * columns + column[kept] // stride, layer.elevation[kept]
+
+
+def _light(vertices: Singles, triangles: NDArray[np.int32]) -> Singles:
+    """Light at each vertex by the average of its faces' normals, shape (V,), at most 1."""
+    a, b, c = (vertices[triangles[:, i]] for i in range(3))
+    faces = np.cross(b - a, c - a)
+    normals = np.empty_like(vertices)
+    for i in range(3):
+        weights = np.repeat(faces[:, i], 3)
+        normals[:, i] = np.bincount(triangles.ravel(), weights, minlength=len(vertices))
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    towards = normals @ (LIGHT / np.linalg.norm(LIGHT))
+    light: Singles = np.clip(AMBIENT + (1 - AMBIENT) * towards * 1.12, AMBIENT, 1)
+    return light

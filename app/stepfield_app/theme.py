@@ -1,0 +1,90 @@
+"""Named colours of both themes, colours of layers and ramps: the one place in the window that has any."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+Palette = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Theme:
+    """The colours of one theme, as #rrggbb."""
+
+    name: str
+    window: str
+    panel: str
+    field: str
+    line: str
+    text: str
+    muted: str
+    accent: str
+    warning: str
+    error: str
+
+
+DARK = Theme(
+    "dark", "#1e1f22", "#26282c", "#2f3237", "#3a3d42", "#e6e6e6", "#9aa0a6", "#4c9aff", "#e5a50a", "#e5534b"
+)
+LIGHT = Theme(
+    "light",
+    "#f5f6f8",
+    "#ffffff",
+    "#ffffff",
+    "#d9dce1",
+    "#1f2328",
+    "#656d76",
+    "#0b6bcb",
+    "#9a6700",
+    "#cf222e",
+)
+
+#: Okabe and Ito's colours (without black: it vanishes on a dark ground), then more that stay apart from them.
+LAYER_COLOURS = (
+    "#0072b2",
+    "#e69f00",
+    "#009e73",
+    "#cc79a7",
+    "#56b4e9",
+    "#d55e00",
+    "#f0e442",
+    "#8c6bb1",
+    "#7fbf7b",
+    "#b15928",
+    "#5ab4ac",
+    "#de77ae",
+    "#a6bddb",
+    "#bf812d",
+    "#78c679",
+    "#9e9ac8",
+)
+UNASSIGNED_COLOUR = "#8a8f98"
+
+#: Ramps by what they show: names of cmap's catalogue, and where in them to begin. The darkest tenth of batlow
+#: would vanish on a dark ground.
+RAMPS = {"height": ("crameri:batlow", 0.1), "intensity": ("gray", 0.0), "error": ("crameri:vik", 0.0)}
+
+
+def layer_colour(index: int) -> str:
+    """Colour of a layer the operator has given none; the same number always has the same colour."""
+    return UNASSIGNED_COLOUR if index < 0 else LAYER_COLOURS[index % len(LAYER_COLOURS)]
+
+
+def rgb(colour: str) -> tuple[int, int, int]:
+    """Red, green and blue, 0 to 255, of #rrggbb."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+@cache
+def ramp(what: str) -> Palette:
+    """Return the ramp of :data:`RAMPS` as an array of shape (256, 3), read-only."""
+    from cmap import Colormap  # the window is up before anything needs a ramp
+
+    name, start = RAMPS[what]
+    colours = np.rint(Colormap(name)(np.linspace(start, 1, 256))[:, :3] * 255).astype(np.uint8)
+    colours.flags.writeable = False
+    return colours

@@ -1,0 +1,1 @@
+"""What takes the mouse in a view before the camera does."""

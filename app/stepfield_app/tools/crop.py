@@ -1,0 +1,148 @@
+"""The crop box in the 3-D views: drag a face, the result follows."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QObject, QPointF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen
+
+from stepfield.parameters import Box
+from stepfield_app.document import Document
+from stepfield_app.edit import Gesture
+from stepfield_app.feeds.scene_feed import SceneFeed
+from stepfield_app.scenes import crop
+from stepfield_app.theme import Theme
+from stepfield_app.views.trio import Trio
+from stepfield_app.views.view3d import Canvas
+
+#: Radius of a handle, and how near the cursor must come, logical pixels.
+RADIUS, REACH = 5.0, 10.0
+
+
+class CropTool(QObject):
+    """A box with a handle on every face.
+
+    Parameters
+    ----------
+    document : Document
+    trio : Trio
+    scene_feed : SceneFeed
+        Knows the local origin.
+    """
+
+    def __init__(self, document: Document, trio: Trio, scene_feed: SceneFeed) -> None:
+        super().__init__(trio)
+        self._document, self._trio, self._scene_feed = document, trio, scene_feed
+        self._theme: Theme | None = None
+        self._held: tuple[crop.Handle, Box, QPointF] | None = None
+        self._hovered: crop.Handle | None = None
+        self._gesture: Gesture | None = None
+        self._is_active = False
+        document.project_changed.connect(self._repaint)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Paint in the colours of a theme."""
+        self._theme = theme
+
+    def set_active(self, is_active: bool) -> None:
+        """Show the box and take the mouse on its handles, or not."""
+        self._is_active = is_active
+        for canvas in self._trio.canvases.values():
+            canvas.tool = self if is_active else None
+        self._repaint()
+
+    @property
+    def box(self) -> Box | None:
+        """The crop box, or all of the scan while there is none; scan coordinates, metres."""
+        facts = self._document.facts
+        return self._document.project.parameters.crop or (facts.bounds if facts else None)
+
+    def place_of(self, view: Canvas, side: tuple[int, int, int]) -> QPointF:
+        """Where a handle is drawn in a view, logical pixels; (0, 0, 0) is the middle of the box."""
+        assert self.box is not None
+        return QPointF(*self._pixels(view, np.array([crop.Handle(side).point(self.box)]))[0])
+
+    # --- The mouse ------------------------------------------------------------------------------------------
+
+    def press(self, view: Canvas, at: QPointF) -> bool:
+        """Take hold of the handle under the cursor."""
+        box, handle = self.box, self._handle_at(view, at)
+        if box is None or handle is None:
+            return False
+        self._held, self._gesture = (handle, box, at), self._document.begin_gesture()
+        return True
+
+    def drag(self, view: Canvas, at: QPointF) -> None:
+        """Move what is held, and no further than the scan reaches."""
+        facts = self._document.facts
+        if self._held is None or facts is None:
+            return
+        handle, box, start = self._held
+        way = (at - start) * view.devicePixelRatioF()
+        origin = np.tile(self._scene_feed.origin, 2)
+        local = crop.dragged_on_screen(
+            _box(box - origin), handle, view.viewpoint.camera, view.pixels, way.x(), way.y()
+        )
+        moved = crop.within(_box(local + origin), facts.bounds)
+        self._document.set_parameters("Crop", self._gesture, crop=moved)
+
+    def release(self) -> None:
+        """Let go: one undo step a drag."""
+        if self._gesture is not None:
+            self._document.end_gesture(self._gesture)
+        self._held = self._gesture = None
+
+    def hover(self, view: Canvas, at: QPointF) -> bool:
+        """Say whether a handle is under the cursor, and light it."""
+        handle = self._handle_at(view, at)
+        if handle != self._hovered:
+            self._hovered = handle
+            self._repaint()
+        return handle is not None
+
+    def _handle_at(self, view: Canvas, at: QPointF) -> crop.Handle | None:
+        box = self.box
+        if box is None:
+            return None
+        places = self._pixels(view, np.array([handle.point(box) for handle in crop.HANDLES]))
+        away = np.hypot(places[:, 0] - at.x(), places[:, 1] - at.y())
+        nearest = int(np.argmin(away))
+        return crop.HANDLES[nearest] if away[nearest] <= REACH else None
+
+    # --- Painting -------------------------------------------------------------------------------------------
+
+    def paint(self, view: Canvas, painter: QPainter) -> None:
+        """Paint the box over a view: what lies behind shows through."""
+        box = self.box
+        if box is None or self._theme is None:
+            return
+        painter.setPen(QPen(QColor(self._theme.accent), 1.2))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        corners = self._pixels(view, np.array([corner.point(box) for corner in crop.CORNERS]))
+        for one, other in crop.EDGES:
+            painter.drawLine(QPointF(*corners[one]), QPointF(*corners[other]))
+        places = self._pixels(view, np.array([handle.point(box) for handle in crop.HANDLES]))
+        for handle, place in zip(crop.HANDLES, places, strict=True):
+            is_lit = handle == self._hovered or (self._held is not None and handle == self._held[0])
+            painter.setBrush(QColor(self._theme.accent if is_lit else self._theme.window))
+            painter.drawEllipse(QPointF(*place), RADIUS, RADIUS)
+
+    def _pixels(self, view: Canvas, places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Logical pixels of places in scan coordinates, shape (n, 2)."""
+        pixels, _ = view.viewpoint.camera.project(self._local(places), view.pixels)
+        return np.asarray(pixels) / view.devicePixelRatioF()
+
+    def _local(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
+        local: NDArray[np.float64] = places - self._scene_feed.origin
+        return local
+
+    def _repaint(self) -> None:
+        if self._is_active or self._hovered is None:
+            for canvas in self._trio.canvases.values():
+                canvas.update()
+
+
+def _box(values: NDArray[np.float64]) -> Box:
+    x0, y0, z0, x1, y1, z1 = values.tolist()
+    return x0, y0, z0, x1, y1, z1

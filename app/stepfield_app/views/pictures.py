@@ -1,0 +1,102 @@
+"""What the plots show: finished, read-only values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield_app.scenes.legend import Legend
+
+Place = tuple[float, float]
+#: Ways to draw a map, and what the window calls them.
+MODES = {"gray": "Gray, as exported", "colour": "Colour by elevation", "hillshade": "Hillshade"}
+
+
+@dataclass(frozen=True, eq=False)
+class MapPicture:
+    """A layer from above.
+
+    Attributes
+    ----------
+    layer : int
+        -1 for the pillars in no layer.
+    name, colour : str
+        Of the layer.
+    pixels : ndarray of shape (rows, columns, 4), uint8
+        Red, green, blue, opacity; row 0 is north. Opacity is 0 or 255.
+    west, south, east, north : float
+        Edges of the picture, scan coordinates, metres.
+    cell_size : float
+        Metres.
+    legend : Legend or None
+    """
+
+    layer: int
+    name: str
+    colour: str
+    pixels: NDArray[np.uint8]
+    west: float
+    south: float
+    east: float
+    north: float
+    cell_size: float
+    legend: Legend | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """Points and pillars in a band along a line.
+
+    Attributes
+    ----------
+    start, end : tuple of float
+        Ends of the line (x, y), scan coordinates, metres.
+    width : float
+        Of the band, metres.
+    distance, elevation : ndarray of shape (n,), float64
+        Of the points: metres from the start along the line, and scan elevations.
+    codes : ndarray of shape (n,), uint8
+        Row of ``colours`` of each point.
+    spans : ndarray of shape (m, 4), float64
+        From and to along the line, lowest and highest elevation of each pillar, metres.
+    tops : ndarray of shape (m,), float64
+        The elevations the pillars have in the height-map.
+    pillar_codes : ndarray of shape (m,), uint8
+        Row of ``colours`` of each pillar.
+    colours : ndarray of shape (layers + 1, 3), uint8
+        Of the layers, of Unassigned in the last row.
+    total : int
+        Points in the band, of which ``distance`` may be a sample.
+    """
+
+    start: Place
+    end: Place
+    width: float
+    distance: NDArray[np.float64]
+    elevation: NDArray[np.float64]
+    codes: NDArray[np.uint8]
+    spans: NDArray[np.float64]
+    tops: NDArray[np.float64]
+    pillar_codes: NDArray[np.uint8]
+    colours: NDArray[np.uint8]
+    total: int
+
+
+@dataclass(frozen=True, eq=False)
+class Histogram:
+    """How many points there are at each elevation.
+
+    Attributes
+    ----------
+    edges : ndarray of shape (B + 1,), float64
+        Elevations, scan coordinates, metres.
+    counts : ndarray of shape (B,), int64
+    levels : tuple of (str, str, float)
+        Name, colour and average elevation of each layer, the lowest first; NaN for an empty one.
+    """
+
+    edges: NDArray[np.float64]
+    counts: NDArray[np.int64]
+    levels: tuple[tuple[str, str, float], ...] = ()

@@ -1,0 +1,36 @@
+"""Tests of the window: no screen, no settings of the user's, nothing left behind."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from threading import enumerate as running_threads
+
+import pytest
+
+os.environ["QT_QPA_PLATFORM"] = os.environ.get("STEPFIELD_TEST_PLATFORM", "offscreen")
+
+from PySide6.QtCore import QCoreApplication, QEvent, QSettings
+from PySide6.QtWidgets import QApplication
+
+
+@pytest.fixture(autouse=True)
+def own_settings(tmp_path: Path) -> None:
+    """Keep the tests away from the user's settings."""
+    QSettings.setDefaultFormat(QSettings.Format.IniFormat)
+    QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "settings"))
+
+
+@pytest.fixture(autouse=True)
+def nothing_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Fail a test that leaves a top-level widget or a thread."""
+    before = set(running_threads())
+    yield
+    if not QApplication.instance():
+        return
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+    left = [widget for widget in QApplication.topLevelWidgets() if widget.isVisible()]
+    assert not left, f"widgets left open: {left}"
+    threads = [thread for thread in running_threads() if thread not in before and not thread.daemon]
+    assert not threads, f"threads left running: {threads}"

@@ -1,0 +1,59 @@
+"""Surfaces: what the simulator loses is lost here, the shape and place of the rest are kept."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.app.scenes_made import UTM, table_result
+from tests.app.test_scenes_blocks import origin, plan_area
+
+from stepfield.reconstruction import Reconstruction
+from stepfield_app.scenes.palette import layer_colours
+from stepfield_app.scenes.surfaces import surfaces
+
+COLOURS = layer_colours(2)
+
+
+@pytest.fixture
+def result(tmp_path: Path) -> Reconstruction:
+    return table_result(tmp_path, UTM)
+
+
+def test_the_simulators_surface_is_half_a_compartment_short_on_every_side(result: Reconstruction) -> None:
+    mesh = surfaces(result, origin(result), COLOURS, (0, 1))[0]
+    assert plan_area(mesh) == pytest.approx(7.5 * 5.5 + 2.5 * 1.5)
+    assert mesh.vertices[:, :2].min(axis=0).tolist() == pytest.approx([0.25, 0.25])
+    assert set(np.round(mesh.vertices[:, 2], 5).tolist()) == {0.0, 1.0}
+
+
+def test_pillars_stand_on_the_base_and_cover_their_compartments(result: Reconstruction) -> None:
+    mesh = surfaces(result, origin(result), COLOURS, (1,), "pillars")[0]
+    assert plan_area(mesh) == pytest.approx(3 * 2)
+    assert mesh.vertices[:, 2].min() == pytest.approx(-0.5)
+    assert mesh.vertices[:, 2].max() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("way", ["simulator", "pillars"])
+def test_hidden_layers_vanish_and_unassigned_has_no_surface(result: Reconstruction, way: str) -> None:
+    assert surfaces(result, origin(result), COLOURS, (0,), way)[0].vertices[:, 2].max() < 0.5  # type: ignore[arg-type]
+    assert not len(surfaces(result, origin(result), COLOURS, (-1,), way)[0].triangles)  # type: ignore[arg-type]
+
+
+def test_thinned_levels_lie_where_the_pixels_lie(result: Reconstruction) -> None:
+    levels = surfaces(result, origin(result), COLOURS, (0,))
+    assert [len(mesh.vertices) for mesh in levels] == [16 * 12, 8 * 6, 4 * 3]
+    finest = {tuple(place) for place in np.round(levels[0].vertices, 4).tolist()}
+    for mesh in levels[1:]:
+        assert {tuple(place) for place in np.round(mesh.vertices, 4).tolist()} <= finest
+
+
+def test_level_ground_keeps_its_layers_colour_nearly_whole(result: Reconstruction) -> None:
+    mesh = surfaces(result, origin(result), COLOURS, (1,))[0]
+    assert (mesh.colours >= COLOURS[1] * 0.85).all()
+    assert (mesh.colours <= COLOURS[1]).all()
+
+
+def test_faces_look_up(result: Reconstruction) -> None:
+    assert plan_area(surfaces(result, origin(result), COLOURS, (0,))[0], up=False) == 0

@@ -1,0 +1,179 @@
+"""The real window, worked with a real mouse under Xvfb, and its pictures taken by the command."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import psutil
+import pytest
+from PIL import Image
+from tests.conftest import REPOSITORY
+
+DRIVER = REPOSITORY / "tests" / "e2e" / "drive_window.py"
+#: What the driver's own platform settings would hide from the real window.
+HIDDEN = {"QT_QPA_PLATFORM", "WAYLAND_DISPLAY"}
+
+
+@pytest.fixture(scope="module")
+def display() -> Iterator[str]:
+    """A screen of our own, 1600x1000."""
+    if not all(map(shutil.which, ("Xvfb", "xdotool"))):
+        pytest.skip("Xvfb and xdotool are needed to work the real window")
+    reading, writing = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1600x1000x24", "-nolisten", "tcp"],
+        pass_fds=[writing],
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(writing)
+    with os.fdopen(reading) as file:
+        number = file.readline().strip()
+    yield f":{number}"
+    server.terminate()
+    server.wait()
+
+
+def environment(folder: Path, display: str | None) -> dict[str, str]:
+    """Environment with settings and caches of its own."""
+    own = {name: value for name, value in os.environ.items() if name not in HIDDEN | {"DISPLAY"}}
+    own |= {
+        "HOME": str(folder),
+        "XDG_CONFIG_HOME": str(folder / "config"),
+        "XDG_CACHE_HOME": str(folder / "cache"),
+    }
+    return own | ({"DISPLAY": display, "QT_QPA_PLATFORM": "xcb"} if display else {})
+
+
+def left_running(folder: Path) -> list[str]:
+    """Processes that still run with this test's home."""
+    found = []
+    for process in psutil.process_iter():
+        with contextlib.suppress(psutil.Error):
+            if process.environ().get("HOME") == str(folder):
+                found.append(" ".join(process.cmdline()))
+    return found
+
+
+@pytest.fixture(scope="module")
+def driven(
+    display: str, tmp_path_factory: pytest.TempPathFactory, real_scan: Callable[[str], Path]
+) -> tuple[dict[str, Any], Path, Path]:
+    """What came of working the window: the report, its folder and the scan."""
+    scan, folder = real_scan("data__room_scan1.pcd"), tmp_path_factory.mktemp("driven")
+    done = subprocess.run(
+        [sys.executable, str(DRIVER), str(scan), str(folder)],
+        env=environment(folder, display),
+        capture_output=True,
+        text=True,
+        timeout=240,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert not done.stderr, "the window wrote to the terminal"
+    return json.loads((folder / "report.json").read_text()), folder, scan
+
+
+def test_everything_can_be_done_with_the_mouse(driven: tuple[dict[str, Any], Path, Path]) -> None:
+    report, folder, _ = driven
+    assert report["failure"] is None, report
+    assert report["welcome"], "an empty window offers nothing"
+    for name in ("tolerance", "alpha", "cell_size"):
+        assert report[name]["steps"] == 1, f"a drag of {name} is not one undo step"
+        assert report[name]["answers"] >= 2, f"the result does not follow the slider of {name}"
+    assert report["cropped"] > 0
+    assert report["undone"], "undo does not give the cropped points back"
+    assert report["came back"], "the document noticed that the drawing process died"
+    assert not left_running(folder)
+
+
+def test_the_exported_stack_is_the_commands(
+    driven: tuple[dict[str, Any], Path, Path], tmp_path: Path
+) -> None:
+    report, folder, scan = driven
+    given = report["exported"]
+    options = {
+        "cell_size": "--cell",
+        "alpha": "--alpha",
+        "layer_tolerance": "--tolerance",
+        "link_step": "--link-step",
+    }
+    words = [word for name, option in options.items() for word in (option, repr(given[name]))]
+    built = tmp_path / "stack"
+    subprocess.run(
+        [sys.executable, "-m", "stepfield", "build", str(scan), "-o", str(built), *words],
+        check=True,
+        capture_output=True,
+    )
+    exported = folder / "stack"
+    assert sorted(path.name for path in exported.iterdir()) == sorted(path.name for path in built.iterdir())
+    for path in exported.glob("*.png"):
+        assert path.read_bytes() == (built / path.name).read_bytes(), (
+            f"{path.name} differs from the command's"
+        )
+    ours, theirs = (json.loads((place / "manifest.json").read_text()) for place in (exported, built))
+    assert ours == theirs
+
+
+def test_pictures_show_the_scan(driven: tuple[dict[str, Any], Path, Path]) -> None:
+    _, folder, _ = driven
+    for name in ("opened", "large", "cropped"):
+        pixels = np.asarray(Image.open(folder / f"{name}.png").convert("RGB")).reshape(-1, 3)
+        assert len(np.unique(pixels, axis=0)) > 500, f"{name}.png shows next to nothing"
+
+
+@pytest.mark.parametrize("theme", ["dark", "light"])
+def test_a_picture_without_a_screen(real_scan: Callable[[str], Path], tmp_path: Path, theme: str) -> None:
+    scan, file = real_scan("data__room_scan1.pcd"), tmp_path / "window.png"
+    done = view(tmp_path, str(scan), "--screenshot", str(file), "--size", "1280x720", "--theme", theme)
+    assert done.returncode == 0, done.stderr
+    assert not done.stderr
+    picture = Image.open(file)
+    assert picture.size == (1280, 720)
+    ground = np.asarray(picture.convert("L"), int).mean()
+    assert (ground < 90) if theme == "dark" else (ground > 160)
+    assert not left_running(tmp_path)
+
+
+def test_what_cannot_be_opened_is_one_sentence(tmp_path: Path) -> None:
+    damaged = tmp_path / "damaged.ply"
+    damaged.write_bytes(b"ply\nformat binary_little_endian 1.0\nelement vertex 5\n")
+    done = view(tmp_path, str(damaged), "--screenshot", str(tmp_path / "window.png"))
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: damaged.ply")
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "window.png").exists()
+    assert not left_running(tmp_path)
+
+
+def test_no_display_is_one_sentence(tmp_path: Path) -> None:
+    done = view(tmp_path)
+    assert done.returncode == 1
+    assert "there is no display" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_impossible_sizes_are_refused(tmp_path: Path) -> None:
+    done = view(tmp_path, "--screenshot", str(tmp_path / "window.png"), "--size", "99999x2")
+    assert done.returncode == 2
+    assert "1600x1000" in done.stderr
+
+
+def view(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """Run ``stepfield view`` where there is no screen."""
+    return subprocess.run(
+        [sys.executable, "-m", "stepfield", "view", *words],
+        env=environment(folder, None),
+        capture_output=True,
+        text=True,
+        timeout=180,
+        check=False,
+    )
