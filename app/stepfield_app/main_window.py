@@ -19,7 +19,7 @@ from stepfield_app.feeds.plot_feed import PlotFeed
 from stepfield_app.feeds.scene_feed import SceneFeed
 from stepfield_app.feeds.status_feed import StatusFeed
 from stepfield_app.feeds.stray_feed import StrayFeed
-from stepfield_app.opening import DropTarget
+from stepfield_app.opening import DropTarget, is_project, project_at
 from stepfield_app.panels.cleaning import CleaningPanel
 from stepfield_app.panels.history import HistoryPanel
 from stepfield_app.panels.layers import LayersPanel
@@ -150,9 +150,15 @@ class MainWindow(QMainWindow):
     # --- Doing ----------------------------------------------------------------------------------------------
 
     def open_scans(self, files: Sequence[Path], parameters: Parameters | None = None) -> None:
-        """Open the files of one scan; the present one stays until the new one has been read."""
+        """Open the files of one scan, or a project; the present one stays until the new one has been read."""
         self.message_bar.dismiss_all()
-        self.document.open(files, parameters)
+        if not is_project(files):
+            self.document.open(files, parameters)
+            return
+        try:
+            self.document.open_project(project_at(files[0]))
+        except StepfieldError as error:
+            self.tell(error)
 
     def cancel(self) -> None:
         """Stop what is being made."""
@@ -210,7 +216,9 @@ class MainWindow(QMainWindow):
             return
         self._middle.setCurrentWidget(self.trio if is_open else self.welcome)
         self.actions_.enable(is_open)
-        if not is_open:
+        if is_open:
+            self.trio.setFocus()
+        else:
             self.setWindowTitle("Stepfield")
 
     def _dress(self, theme: Theme) -> None:

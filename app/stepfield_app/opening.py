@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QFileDialog, QWidget
 
+from stepfield.project import Project
 from stepfield.scan import FORMATS
 from stepfield_app.settings import Files, Settings
 
@@ -44,6 +45,25 @@ def openable(files: Iterable[Path]) -> Files:
     files = tuple(files)
     projects = tuple(path for path in files if path.suffix.lower() == PROJECT)
     return projects[:1] or tuple(path for path in files if path.suffix.lower() in FORMATS)
+
+
+def is_project(files: Sequence[Path]) -> bool:
+    """Whether files chosen together are a project rather than scans."""
+    return files[0].suffix.lower() == PROJECT
+
+
+def project_at(file: Path) -> Project:
+    """Read a project whose scans are then named by their full paths.
+
+    Raises
+    ------
+    ProjectError
+        In one sentence, when the file is no project.
+    """
+    project = Project.read(file)
+    places = zip(project.scans, project.scan_paths(file.absolute()), strict=True)
+    scans = tuple(scan.model_copy(update={"path": str(path)}) for scan, path in places)
+    return project.model_copy(update={"scans": scans})
 
 
 class DropTarget(QObject):

@@ -12,10 +12,12 @@ from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QApplication, QFileDialog, QPushButton, QWidget
 from pytestqt.qtbot import QtBot
 
-from stepfield.errors import Cancelled, ScanError
+from stepfield.errors import Cancelled, ProjectError, ScanError
+from stepfield.parameters import Parameters
+from stepfield.project import Project, ScanFile
 from stepfield.scan import FORMATS, read_scan
 from stepfield_app import demo
-from stepfield_app.opening import DropTarget, ask_for_files, file_filters, openable
+from stepfield_app.opening import DropTarget, ask_for_files, file_filters, openable, project_at
 from stepfield_app.settings import Settings
 from stepfield_app.views.status import Status
 from stepfield_app.views.welcome import WelcomePage
@@ -173,3 +175,19 @@ def test_a_cache_that_cannot_be_written_is_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(ScanError, match="cannot be kept there"):
         demo.make_demo(tmp_path / "file", points=4000)
+
+
+def test_a_project_names_its_scans_from_where_it_lies(tmp_path: Path) -> None:
+    """Paths in a project are relative to it, not to where the program was started."""
+    Project(scans=(ScanFile(path="scans/room.ply"),), parameters=Parameters(bits=8)).save(
+        tmp_path / "a.stepfield"
+    )
+    project = project_at(tmp_path / "a.stepfield")
+    assert project.scans[0].path == str(tmp_path / "scans" / "room.ply")
+    assert project.parameters.bits == 8
+
+
+def test_what_is_no_project_is_one_sentence(tmp_path: Path) -> None:
+    (tmp_path / "a.stepfield").write_text("{}")
+    with pytest.raises(ProjectError, match="not a project"):
+        project_at(tmp_path / "a.stepfield")
