@@ -62,11 +62,12 @@ class Actions:
         if glyph is not None:
             action.setIcon(icon(glyph))
         if isinstance(keys, Keys):
-            action.setShortcuts(keys)
+            action.setShortcuts(QKeySequence.keyBindings(keys)[:1])  # the others are on few keyboards
         elif keys is not None:
             texts = [keys] if isinstance(keys, str) else keys
             action.setShortcuts([QKeySequence(text) for text in texts])
         plain = text.replace("&", "").rstrip("…")
+        action.setData(plain)
         shortcut = action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
         action.setToolTip(f"{tip or plain} ({shortcut})" if shortcut else tip or plain)
         action.setStatusTip(tip)

@@ -22,8 +22,9 @@ from stepfield_app.main_window import MainWindow
 from stepfield_app.screenshot import Screenshot
 from stepfield_app.settings import Settings
 
-#: Rate at which threads take turns, seconds: the hand on a slider should not wait for the method.
-TURN = 0.001
+#: Rate at which threads take turns, seconds: the hand on a slider should not wait for the method, and every
+#: call of Qt's gives the turn away.
+TURN = 0.0001
 
 
 def run(

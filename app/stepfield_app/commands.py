@@ -11,20 +11,22 @@ from PySide6.QtWidgets import QFileDialog, QMenu
 from stepfield_app import docks
 from stepfield_app.actions import Actions, Keys
 from stepfield_app.opening import ask_for_files
-from stepfield_app.render.scene import VIEWS
+from stepfield_app.render.scene import CLOUD, PILLARS, RECONSTRUCTION, VIEWS
 
 if TYPE_CHECKING:
     from stepfield_app.main_window import MainWindow
 
+#: Texts of the actions that show one view; every letter after an ampersand is alone in its menu.
+ONLY = {CLOUD: "Only the &cloud", PILLARS: "Only the p&illars", RECONSTRUCTION: "Only the &reconstruction"}
 #: What the mouse does, for the sheet of keys: no action knows it.
 GESTURES = {
     "3-D views": [
         ("Orbit", "Left drag"),
-        ("Pan", "Middle or right drag, Shift+left drag"),
+        ("Pan", "Right or middle drag"),
         ("Zoom to the cursor", "Wheel"),
-        ("Turn around a point", "Double-click on it"),
-        ("Orbit, pan, zoom by keys", "Arrows, Shift+arrows, + and -"),
-        ("One view large, or all", "Double-click on its title"),
+        ("Turn around a point", "Double-click it"),
+        ("Orbit, pan, zoom", "Arrows, Shift+arrows, + −"),
+        ("One view large, or all", "Double-click its title"),
     ],
     "Map and profile": [
         ("Pan", "Drag"),
@@ -67,7 +69,7 @@ def _make_file(actions: Actions, window: MainWindow) -> None:
         tip="Open a collapsed building made for trying things out",
         needs_scan=False,
     )
-    make("close", "&Close the scan", window.document.close_scan, keys=Keys.Close, glyph="close")
+    make("close", "&Close the scan", partial(_close_scan, window), keys=Keys.Close, glyph="close")
     make(
         "export",
         "&Export…",
@@ -102,13 +104,14 @@ def _make_edit(actions: Actions, window: MainWindow) -> None:
 
 
 def _name_step(action: object, verb: str, step: str) -> None:
-    action.setText(f"{verb} {step}".strip())  # type: ignore[attr-defined]
+    escaped = step.replace("&", "&&")  # a layer may be called what it likes
+    action.setText(f"{verb} {escaped}".strip())  # type: ignore[attr-defined]
 
 
 def _make_view(actions: Actions, window: MainWindow) -> None:
     make, trio = actions.make, window.trio
     for preset, text, keys in (
-        ("iso", "From a&bove, aslant", "Ctrl+Alt+0"),
+        ("iso", "From above, as&lant", "Ctrl+Alt+0"),
         ("top", "From the &top", "Ctrl+Alt+1"),
         ("front", "From the s&outh", "Ctrl+Alt+2"),
         ("side", "From the &east", "Ctrl+Alt+3"),
@@ -125,10 +128,10 @@ def _make_view(actions: Actions, window: MainWindow) -> None:
         tip="Equal lengths look equal everywhere",
     )
     make("all views", "&All three views", partial(trio.arrange, VIEWS), keys="Ctrl+0")
-    for place, view in enumerate(VIEWS, 1):
+    for place, (view, text) in enumerate(ONLY.items(), 1):
         make(
             f"only {view}",
-            f"Only the &{view}" if view != "cloud" else "Only the &cloud",
+            text,
             partial(trio.arrange, (view,)),
             keys=f"Ctrl+{place}",
         )
@@ -162,7 +165,7 @@ def _make_tools(actions: Actions, window: MainWindow) -> None:
         tip="Draw a line in the map to cut along",
     )
     window.map.drawing_changed.connect(line.setChecked)
-    actions.make("leave", "&Leave the tool", partial(_leave_tools, window), keys="Esc")
+    actions.make("leave", "&Leave the tool", partial(_leave_tools, window), keys="Esc", needs_scan=False)
 
 
 def _make_help(actions: Actions, window: MainWindow) -> None:
@@ -179,7 +182,7 @@ def _fill_menus(actions: Actions, window: MainWindow) -> None:
     view = actions.menu("&View", ["iso", "top", "front", "side", "fit", "parallel", None, "all views"])
     actions.fill(view, [f"only {name}" for name in VIEWS])
     view.addSeparator()
-    window.docks.fill(view.addMenu("P&anels"))
+    window.docks.fill(view.addMenu("Panel&s"))
     actions.fill(view, ["panels"])
     actions.fill(view.addMenu("T&heme"), [f"theme {choice}" for choice in ("system", "light", "dark")])
     actions.menu("&Tools", ["crop", "profile line", None, "leave"])
@@ -196,18 +199,29 @@ def open_dialog(window: MainWindow) -> None:
         window.open_scans(files)
 
 
+def _close_scan(window: MainWindow) -> None:
+    """Close the scan, and the tools that work on it."""
+    _put_away(window)
+    window.document.close_scan()
+
+
 def _fill_recent(menu: QMenu, window: MainWindow) -> None:
     menu.clear()
     for files in window.settings.recent:
         more = f" and {len(files) - 1} more" if len(files) > 1 else ""
-        action = menu.addAction(f"{files[0].name}{more}")
+        action = menu.addAction(f"{files[0].name}{more}".replace("&", "&&"))
         action.setToolTip(str(files[0]))
         action.triggered.connect(partial(_open_recent, window, files))
     if menu.isEmpty():
         menu.addAction("Nothing yet").setEnabled(False)
     else:
         menu.addSeparator()
-        menu.addAction("Forget these", window.settings.forget_recent)
+        menu.addAction("Forget these", partial(_forget_recent, window))
+
+
+def _forget_recent(window: MainWindow) -> None:
+    window.settings.forget_recent()
+    window.welcome.set_recent(())
 
 
 def _open_recent(window: MainWindow, files: object) -> None:
@@ -233,19 +247,27 @@ def _save_picture(window: MainWindow) -> None:
 
 
 def _choose_theme(window: MainWindow, choice: str, is_chosen: bool) -> None:
-    if is_chosen:
+    if is_chosen and choice != window.appearance.choice:
         window.appearance.choose(choice)  # type: ignore[arg-type]
         window.settings.theme = choice  # type: ignore[assignment]
 
 
 def _leave_tools(window: MainWindow) -> None:
-    """Leave the tool in use, else dismiss the newest message."""
-    tools = [window.actions_[name] for name in ("crop", "profile line")]
-    if any(tool.isChecked() for tool in tools):
-        for tool in tools:
-            tool.setChecked(False)
+    """Leave the tool in use, else stop what is being made, else dismiss the newest message."""
+    if _put_away(window):
+        return
+    if window.document.busy or window.demo_feed.is_busy:
+        window.cancel()
     else:
         window.message_bar.dismiss_newest()
+
+
+def _put_away(window: MainWindow) -> bool:
+    """Leave every tool; False when there was none in use."""
+    used = [tool for name in ("crop", "profile line") if (tool := window.actions_[name]).isChecked()]
+    for tool in used:
+        tool.setChecked(False)
+    return bool(used)
 
 
 def _show_keys(window: MainWindow) -> None:

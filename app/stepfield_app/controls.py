@@ -6,6 +6,9 @@ from typing import TypeVar
 
 from PySide6.QtWidgets import QComboBox, QSizePolicy, QWidget
 
+#: Edges, padding and arrow of a box beside its text, logical pixels.
+BESIDE_TEXT = 34
+
 Control = TypeVar("Control", bound=QWidget)
 
 
@@ -21,4 +24,11 @@ def shrinkable(box: QComboBox) -> QComboBox:
     box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
     box.setMinimumContentsLength(8)
     box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+    return box
+
+
+def snug(box: QComboBox) -> QComboBox:
+    """Make a box just wide enough for its longest entry."""
+    advance = box.fontMetrics().horizontalAdvance
+    box.setFixedWidth(max((advance(box.itemText(at)) for at in range(box.count())), default=0) + BESIDE_TEXT)
     return box

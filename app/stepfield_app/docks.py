@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QMenu, QWidget
+from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QMenu, QTabWidget, QWidget
 
 from stepfield_app.settings import ARRANGEMENT, Settings
+from stepfield_app.views.strip import Strip, tool_button
 
 LEFT, RIGHT, BOTTOM = (
     Qt.DockWidgetArea.LeftDockWidgetArea,
@@ -16,6 +17,12 @@ LEFT, RIGHT, BOTTOM = (
 )
 #: Widths of the side panels and share of the height that map and profile get.
 LEFT_WIDTH, RIGHT_WIDTH, BOTTOM_SHARE = 296, 272, 0.36
+#: Windows narrower than this leave more of their width to the views.
+WIDE = 1400
+#: Map and profile share a place where there are fewer pixels for both.
+SIDE_BY_SIDE = 600
+#: Side of the icon of the button that hides a panel.
+HIDE_SIZE = 14
 #: A side panel is never narrower: numbers would be cut.
 LEAST_WIDTH = 256
 
@@ -57,17 +64,52 @@ class Docks:
 
 
 def docked(window: QMainWindow, title: str, panel: QWidget, area: Qt.DockWidgetArea) -> QDockWidget:
-    """Put a panel into a dock and the dock into a window."""
+    """Put a panel into a dock and the dock into a window; a panel's own strip becomes the dock's title."""
     dock = QDockWidget(title, window)
     dock.setObjectName(f"dock {title}")
     panel.setMinimumWidth(LEAST_WIDTH if area != BOTTOM else LEAST_WIDTH // 2)
+    panel.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
     dock.setWidget(panel)
+    strip, blank = _titled(dock, getattr(panel, "strip", None) or Strip(title)), QWidget()
+    dock.setTitleBarWidget(strip)
+    if not hasattr(panel, "strip"):
+        _save_title(window, dock, strip, blank)
     window.addDockWidget(area, dock)
     return dock
 
 
+def _titled(dock: QDockWidget, strip: Strip) -> Strip:
+    """Give a strip the button that hides its dock; the dock is dragged by the rest of it."""
+    hide = tool_button("close", f"Hide {dock.windowTitle()}", "Hide; View > Panels shows it again")
+    hide.setIconSize(QSize(HIDE_SIZE, HIDE_SIZE))
+    hide.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    hide.clicked.connect(dock.close)
+    strip.title.setToolTip("Drag to move this panel, double-click to float it")
+    strip.add(hide)
+    strip.setMinimumWidth(LEAST_WIDTH // 2)
+    return strip
+
+
+def _save_title(window: QMainWindow, dock: QDockWidget, strip: Strip, blank: QWidget) -> None:
+    """Leave the title out where a tab says the same."""
+
+    def choose() -> None:
+        beside = [other for other in window.tabifiedDockWidgets(dock) if not other.isHidden()]
+        wanted = blank if beside and not dock.isFloating() else strip
+        if dock.titleBarWidget() is not wanted:
+            dock.setTitleBarWidget(wanted)
+
+    watch = QTimer(dock, interval=0, singleShot=True)
+    watch.timeout.connect(choose)
+    window.tabifiedDockWidgetActivated.connect(watch.start)
+    for other in (dock, *window.findChildren(QDockWidget)):
+        for signal in (other.visibilityChanged, other.topLevelChanged, other.dockLocationChanged):
+            signal.connect(lambda _: watch.start())
+
+
 def arrange(window: QMainWindow, docks: Docks) -> None:
     """Put the docks where they are when the program is new."""
+    window.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, QTabWidget.TabPosition.North)
     window.setCorner(Qt.Corner.BottomLeftCorner, LEFT)
     window.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
     for dock, area in zip(docks.all, (LEFT, LEFT, LEFT, RIGHT, RIGHT, BOTTOM, BOTTOM), strict=True):
@@ -82,11 +124,15 @@ def arrange(window: QMainWindow, docks: Docks) -> None:
     window.splitDockWidget(docks.layers, docks.history, Qt.Orientation.Vertical)
     window.splitDockWidget(docks.map, docks.profile, Qt.Orientation.Horizontal)
     height, width = window.height(), window.width()
-    middle = max(width - LEFT_WIDTH - RIGHT_WIDTH, 2)
-    window.resizeDocks([docks.parameters, docks.layers], [LEFT_WIDTH, RIGHT_WIDTH], Qt.Orientation.Horizontal)
+    left, right = (LEFT_WIDTH, RIGHT_WIDTH) if width >= WIDE else (LEAST_WIDTH, LEAST_WIDTH)
+    middle = max(width - left - right, 2)
+    window.resizeDocks([docks.parameters, docks.layers], [left, right], Qt.Orientation.Horizontal)
     window.resizeDocks(
-        [docks.map, docks.profile], [middle * 2 // 5, middle * 3 // 5], Qt.Orientation.Horizontal
+        [docks.map, docks.profile], [middle * 9 // 20, middle * 11 // 20], Qt.Orientation.Horizontal
     )
+    if middle < SIDE_BY_SIDE:
+        window.tabifyDockWidget(docks.map, docks.profile)
+        docks.map.raise_()
     window.resizeDocks([docks.map], [int(height * BOTTOM_SHARE)], Qt.Orientation.Vertical)
     window.resizeDocks(
         [docks.parameters, docks.elevations], [int(height * 0.6), int(height * 0.4)], Qt.Orientation.Vertical

@@ -45,6 +45,7 @@ class Document(QObject):
     opened = Signal()  # another scan: the last of all signals about it
     opening_changed = Signal(bool)
     active_layer_changed = Signal(int)
+    held_changed = Signal(bool)  # whether a gesture goes on
 
     def __init__(self, runner: Runner | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -99,6 +100,11 @@ class Document(QObject):
         return self._runner.busy
 
     @property
+    def held(self) -> bool:
+        """Whether a hand holds a control: more edits will follow soon."""
+        return bool(self._gestures)
+
+    @property
     def opening(self) -> bool:
         """Whether another scan is being opened."""
         return self._opening is not None
@@ -132,11 +138,18 @@ class Document(QObject):
         self._note_pending()
 
     def cancel(self) -> None:
-        """Stop what is being made: the scan that was being opened, or the newest result."""
-        self._runner.cancel()
+        """Stop what is being made: forget the scan that was being opened, or go back to what is shown.
+
+        An exact result that follows its preview goes on: there is nothing to go back to.
+        """
         if self._opening is not None:
+            self._runner.cancel()
             self._stop_opening()
             self._ask()
+        elif self._answer is not None and self._pending:
+            shown = self._answer.request
+            before = self._project.model_copy(update={"parameters": shown.parameters, "moves": shown.moves})
+            self.edit("Back to what is shown", before)
 
     def close(self) -> None:
         """End the document and its worker thread."""
@@ -144,12 +157,16 @@ class Document(QObject):
 
     def begin_gesture(self) -> Gesture:
         """Begin a gesture; give it to every edit that belongs to it."""
-        self._gestures.append(Gesture())
-        return self._gestures[-1]
+        self._gestures.append(gesture := Gesture())
+        if len(self._gestures) == 1:
+            self.held_changed.emit(True)
+        return gesture
 
     def end_gesture(self, gesture: Gesture) -> None:
         """Say that the hand has stopped, so that an exact result follows a preview."""
         self._gestures.remove(gesture)
+        if not self._gestures:
+            self.held_changed.emit(False)
         if not self._gestures and self._opening is None:
             self._runner.settle()
 

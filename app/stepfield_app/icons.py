@@ -11,7 +11,7 @@ import json
 from functools import cache
 from pathlib import Path
 
-from PySide6.QtCore import QPoint, QRect, QSize, Qt
+from PySide6.QtCore import QPoint, QPointF, QRect, QSize, Qt
 from PySide6.QtGui import (
     QColor,
     QFont,
@@ -71,10 +71,7 @@ GLYPHS = {
     "select all": "select-all",
     "clear selection": "selection-off",
     # views
-    "iso": "axis-arrow",
-    "top": "arrow-collapse-down",
-    "front": "dock-window",
-    "side": "dock-right",
+    "iso": "cube-outline",
     "fit": "fit-to-screen-outline",
     "cloud": "blur",
     "pillars": "chart-histogram",
@@ -84,7 +81,7 @@ GLYPHS = {
     "histogram": "chart-bell-curve",
     "overlay": "layers-search-outline",
     "mask": "checkerboard",
-    "parallel": "cube-outline",
+    "parallel": "perspective-less",
     "full screen": "fullscreen",
     "search": "magnify",
     "target": "target",
@@ -117,6 +114,13 @@ GLYPHS = {
     "theme": "theme-light-dark",
 }
 
+#: Corners of a cube seen aslant, shares of an icon's side, clockwise from the top; the last is the nearest.
+_CUBE = ((0.5, 0.1), (0.87, 0.3), (0.87, 0.7), (0.5, 0.9), (0.13, 0.7), (0.13, 0.3), (0.5, 0.5))
+#: What stands for looking at one face of a cube, and the corners of that face.
+FACES = {"top": (0, 1, 6, 5), "front": (5, 6, 3, 4), "side": (1, 2, 3, 6)}
+#: Width of the edges of a cube as a share of the icon's side: that of the glyphs' strokes.
+_EDGE = 1 / 12
+
 _PREFIX = "materialdesignicons6-webfont"
 
 
@@ -126,7 +130,7 @@ def icon(meaning: str, colour: str | None = None) -> QIcon:
     Parameters
     ----------
     meaning : str
-        One of :data:`GLYPHS`.
+        One of :data:`GLYPHS` or :data:`FACES`.
     colour : str, optional
         As #rrggbb; without one the icon takes the text's colour of the theme, also when that changes.
 
@@ -135,25 +139,27 @@ def icon(meaning: str, colour: str | None = None) -> QIcon:
     KeyError
         When no glyph says that.
     """
-    return QIcon(_GlyphEngine(chr(_code_points()[GLYPHS[meaning]]), colour))
+    if meaning in FACES:
+        return QIcon(_CubeEngine(meaning, colour))
+    return QIcon(_GlyphEngine(GLYPHS[meaning], colour))
 
 
-class _GlyphEngine(QIconEngine):
-    """Draws one character of the icon font when asked, in the colour of that moment."""
+class _Engine(QIconEngine):
+    """Draws an icon when asked, in the colour of that moment."""
 
-    def __init__(self, glyph: str, colour: str | None) -> None:
+    def __init__(self, what: str, colour: str | None) -> None:
         super().__init__()
-        self._glyph, self._colour = glyph, colour
+        self._what, self._colour = what, colour
 
     def paint(self, painter: QPainter, rect: QRect, mode: QIcon.Mode, state: QIcon.State) -> None:
-        font = QFont(_family())
-        font.setPixelSize(max(1, min(rect.width(), rect.height())))
         painter.save()
-        painter.setRenderHint(QPainter.RenderHint.TextAntialiasing)
-        painter.setFont(font)
+        painter.setRenderHints(QPainter.RenderHint.TextAntialiasing | QPainter.RenderHint.Antialiasing)
         painter.setPen(self._pen(mode))
-        painter.drawText(rect, Qt.AlignmentFlag.AlignCenter, self._glyph)
+        self._draw(painter, rect)
         painter.restore()
+
+    def _draw(self, painter: QPainter, rect: QRect) -> None:
+        raise NotImplementedError
 
     def pixmap(self, size: QSize, mode: QIcon.Mode, state: QIcon.State) -> QPixmap:
         pixmap = QPixmap(size)
@@ -164,13 +170,43 @@ class _GlyphEngine(QIconEngine):
         return pixmap
 
     def clone(self) -> QIconEngine:
-        return _GlyphEngine(self._glyph, self._colour)
+        return type(self)(self._what, self._colour)
 
     def _pen(self, mode: QIcon.Mode) -> QColor:
         palette, text = QGuiApplication.palette(), QPalette.ColorRole.ButtonText
         if mode == QIcon.Mode.Disabled:
             return palette.color(QPalette.ColorGroup.Disabled, text)
         return QColor(self._colour) if self._colour else palette.color(QPalette.ColorGroup.Active, text)
+
+
+class _GlyphEngine(_Engine):
+    """Draws one character of the icon font."""
+
+    def _draw(self, painter: QPainter, rect: QRect) -> None:
+        font = QFont(_family())
+        font.setPixelSize(max(1, min(rect.width(), rect.height())))
+        painter.setFont(font)
+        painter.drawText(rect, Qt.AlignmentFlag.AlignCenter, chr(_code_points()[self._what]))
+
+
+class _CubeEngine(_Engine):
+    """Draws a cube with the face one looks at filled: no glyph of the font says that."""
+
+    def _draw(self, painter: QPainter, rect: QRect) -> None:
+        side = min(rect.width(), rect.height())
+        corner = QPointF(rect.center()) + QPointF(0.5 - side / 2, 0.5 - side / 2)
+        places = [corner + QPointF(x, y) * side for x, y in _CUBE]
+        pen = painter.pen()
+        painter.setBrush(pen.color())
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.drawPolygon([places[at] for at in FACES[self._what]])
+        pen.setWidthF(_EDGE * side)
+        pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
+        painter.setPen(pen)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawPolygon(places[:6])
+        for end in (1, 3, 5):
+            painter.drawLine(places[6], places[end])
 
 
 @cache

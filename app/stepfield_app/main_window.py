@@ -7,7 +7,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QTimer
 from PySide6.QtGui import QCloseEvent, QShowEvent
-from PySide6.QtWidgets import QMainWindow, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QDialog, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
 from stepfield.errors import StepfieldError
 from stepfield.parameters import Parameters
@@ -35,6 +35,7 @@ from stepfield_app.views.profile import ProfileView
 from stepfield_app.views.status import Status
 from stepfield_app.views.trio import Trio
 from stepfield_app.views.welcome import WelcomePage
+from stepfield_app.wording import advice
 
 #: Size of the window when nothing else is said.
 USUAL_SIZE = (1440, 900)
@@ -138,6 +139,7 @@ class MainWindow(QMainWindow):
             lambda: self.scene_feed.set_visible(self.layers.visible_layers())
         )
         self.cleaning.crop_tool_requested.connect(self.crop_tool.set_active)
+        self.cleaning.crop_tool_requested.connect(self._show_cleaning)
         self.welcome.open_wanted.connect(lambda: commands.open_dialog(self))
         self.welcome.demo_wanted.connect(self.demo_feed.start)
         self.welcome.files_chosen.connect(self.open_scans)
@@ -208,7 +210,7 @@ class MainWindow(QMainWindow):
         self.setWindowTitle(f"{files[0].name}{more} – Stepfield")
         assert self.document.answer is not None
         for warning in self.document.answer.result.scan.warnings:
-            self.message_bar.tell("warning", warning)
+            self.message_bar.tell("warning", advice(warning))
 
     def _show_whether_open(self) -> None:
         is_open = self.document.answer is not None
@@ -220,6 +222,11 @@ class MainWindow(QMainWindow):
             self.trio.setFocus()
         else:
             self.setWindowTitle("Stepfield")
+
+    def _show_cleaning(self, is_wanted: bool) -> None:
+        """Bring the numbers of the crop box to the front while it is worked on."""
+        if is_wanted and not self.docks.cleaning.isHidden():
+            self.docks.cleaning.raise_()
 
     def _dress(self, theme: Theme) -> None:
         for part in (
@@ -243,6 +250,8 @@ class MainWindow(QMainWindow):
         """Stop everything; no process and no thread is left."""
         if self._remembers:
             docks.remember(self, self.settings)
+        for dialog in self.findChildren(QDialog):
+            dialog.done(QDialog.DialogCode.Rejected)  # a signal closes the window under an open dialog
         self.demo_feed.close()
         self.plot_feed.close()
         self.stray_feed.close()

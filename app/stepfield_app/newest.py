@@ -13,7 +13,7 @@ from queue import SimpleQueue
 from threading import Event, Thread
 from typing import Any, Generic, TypeVar
 
-from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from stepfield.errors import Cancelled, StepfieldError
 from stepfield.progress import Progress
@@ -51,8 +51,11 @@ class NewestWins(QObject, Generic[Asked, Answered]):
     function : callable
         Makes an answer of a request; calls its second argument between chunks of work.
     name : str
-        Of the thread.
+        Of the thread, and of this object among its parent's children.
     parent : QObject, optional
+    pace : float
+        Seconds from the start of a request to that of the next, at least: more answers than can be shown
+        would keep who shows them from everything else.
     threaded : bool
         False runs every request within ``ask``: for tests of what stands around the worker.
     """
@@ -69,9 +72,12 @@ class NewestWins(QObject, Generic[Asked, Answered]):
         name: str,
         parent: QObject | None = None,
         *,
+        pace: float = 0.0,
         threaded: bool = True,
     ) -> None:
         super().__init__(parent)
+        self.setObjectName(name)
+        self._pace, self._not_before = pace, 0.0
         self._function = function
         self._running: _Job | None = None
         self._waiting: _Job | None = None
@@ -84,8 +90,8 @@ class NewestWins(QObject, Generic[Asked, Answered]):
 
     @property
     def busy(self) -> bool:
-        """Whether anything runs, be it on its way to being cancelled."""
-        return self._running is not None
+        """Whether anything runs, be it on its way to being cancelled, or waits for its turn."""
+        return self._running is not None or self._waiting is not None
 
     @property
     def running(self) -> Asked | None:
@@ -97,15 +103,14 @@ class NewestWins(QObject, Generic[Asked, Answered]):
         if self._closed:
             return
         self._waiting = _Job(request)
-        if self._running is None:
-            self._start()
-            self._say_whether_busy()
+        self._start_when_idle()
 
     def cancel(self) -> None:
         """Forget what waits and stop what runs at its next call of progress; nothing is said about either."""
-        self._waiting = None
+        self._waiting, self._not_before = None, 0.0
         if self._running:
             self._running.cancelled.set()
+        self._say_whether_busy()
 
     def close(self) -> None:
         """Cancel, and wait until the thread has ended. Nothing can be asked afterwards."""
@@ -115,10 +120,21 @@ class NewestWins(QObject, Generic[Asked, Answered]):
         if self._thread:
             self._thread.join()
 
+    def _start_when_idle(self) -> None:
+        if self._running is None and self._waiting is not None:
+            self._start()
+        self._say_whether_busy()
+
     def _start(self) -> None:
-        """Hand the waiting job to the worker."""
+        """Hand the waiting job to the worker, unless the last one began a moment ago."""
+        early = self._not_before - time.monotonic()
+        if self._waiting is not None and early > 0:
+            self._running = None
+            QTimer.singleShot(round(1000 * early) + 1, self, self._start_when_idle)
+            return
         job, self._waiting = self._waiting, None
         self._running = job
+        self._not_before = time.monotonic() + self._pace if job else self._not_before
         if job and self._thread:
             self._jobs.put(job)
         elif job:

@@ -24,6 +24,8 @@ from stepfield_app.requests import Answer, Request
 PREVIEW_POINTS = 350_000
 #: Scans up to this size are always made exactly: that takes no longer than a blink.
 SMALL_SCAN = 1_000_000
+#: Seconds between two answers: as many as the window can show beside following the hand.
+PACE = 0.1
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,8 @@ class Runner(QObject):
         self._previewed: Request | None = None  # whose preview has arrived
         self._sorted: Any = None  # foundation of the points that are sorted, all of them
         self._points = 0
-        self._worker = NewestWins[Request, Outcome](_Work(), "runner", self, threaded=threaded)
+        pace = PACE if threaded else 0.0
+        self._worker = NewestWins[Request, Outcome](_Work(), "runner", self, pace=pace, threaded=threaded)
         self._worker.answered.connect(self._receive)
         self._worker.failed.connect(self._fail)
         self._worker.progressed.connect(self.progressed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 #: Parts groups of digits; a line never breaks there.
 _GROUP = "\N{NARROW NO-BREAK SPACE}"
@@ -10,6 +11,20 @@ _MINUS = "\N{MINUS SIGN}"
 #: What stands for a number nobody knows.
 UNKNOWN = "–"
 _STEPS = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
+
+#: Options of the command that a warning of the core advises, and where the window has them.
+_OPTIONS = (
+    (re.compile(r"try --up=-(\w)"), f"choose “{_MINUS}\\1 is up” under Cleaning"),
+    (re.compile(r"try --up=(\w)"), r"choose “\1 is up” under Cleaning"),
+    (re.compile(r"say so with --unit"), "choose it under Cleaning"),
+)
+
+
+def advice(warning: str) -> str:
+    """Say a warning of the core as a sentence that speaks of the window, not of options of the command."""
+    for option, place in _OPTIONS:
+        warning = option.sub(place, warning)
+    return f"{warning[:1].upper()}{warning[1:]}."
 
 
 def grouped(number: int) -> str:

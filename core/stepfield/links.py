@@ -8,6 +8,8 @@ the surfaces of the simulator have a hole (paper section 6, figure 4).
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +22,30 @@ Integers = NDArray[np.int64]
 
 #: Stands for the compartment beyond the edge of the grid.
 _NOWHERE = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Links:
+    """The linked pairs of a step-field, found when first asked for: most looks at a result need none.
+
+    Attributes
+    ----------
+    field : StepField
+    taking_part : ndarray of shape (P,), bool
+    link_step : float
+        Greatest difference in elevation, metres.
+    """
+
+    field: StepField
+    taking_part: NDArray[np.bool_]
+    link_step: float
+
+    @cached_property
+    def pairs(self) -> Integers:
+        """As :func:`link` returns them; read-only."""
+        pairs = link(self.field, self.taking_part, self.link_step)
+        pairs.flags.writeable = False
+        return pairs
 
 
 def link(field: StepField, taking_part: NDArray[np.bool_], link_step: float) -> Integers:

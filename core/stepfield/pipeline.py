@@ -15,14 +15,13 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stepfield import suggest
 from stepfield.compartments import grid_under, sort_into_compartments
 from stepfield.errors import ParameterError
 from stepfield.heightmap import Frame
 from stepfield.layers import UNASSIGNED, Layering, classify
-from stepfield.links import link, seams
+from stepfield.links import Links
 from stepfield.moves import Edited, apply_moves
 from stepfield.parameters import Parameters
 from stepfield.pillars import StepField, build_pillars
@@ -32,7 +31,6 @@ from stepfield.reconstruction import Reconstruction, layers_of, members_of
 from stepfield.scan import Scan, cleaned, read_scan
 
 Made = TypeVar("Made")
-Pairs = NDArray[np.int64]
 
 #: How the names of a preview's stages begin: they have places of their own.
 PREVIEW = "preview "
@@ -103,8 +101,7 @@ class Pipeline:
         edited = self._once(
             "moves", automatic, (tuple(moves),), lambda: apply_moves(field.made, automatic.made, moves)
         )
-        progress(0.9, "linking neighbours")
-        links, cut = self._linked(field, edited, parameters)
+        links = self._linked(field, edited, parameters)
         members = self._once("members", edited, (), lambda: members_of(field.made, edited.made.layering)).made
         alpha = _metres(parameters.alpha)
         names = edited.made.names | {style.index: style.name for style in styles if style.name}
@@ -115,8 +112,7 @@ class Pipeline:
             field=field.made,
             automatic=automatic.made,
             layering=edited.made.layering,
-            links=links,
-            seams=cut,
+            linked=links,
             outcomes=edited.made.outcomes,
             layers=layers_of(members, alpha, parameters, names),
             base_elevation=field.made.compartments.lowest - alpha,
@@ -216,16 +212,11 @@ class Pipeline:
             )
         return classified
 
-    def _linked(
-        self, field: Stage[StepField], edited: Stage[Edited], parameters: Parameters
-    ) -> tuple[Pairs, Pairs]:
-        """Links among the exported pillars, and the seams among them; links outlive moves between layers."""
-        layering, step = edited.made.layering, _metres(parameters.link_step)
-        exported = layering.layer != UNASSIGNED
+    def _linked(self, field: Stage[StepField], edited: Stage[Edited], parameters: Parameters) -> Links:
+        """Links among the exported pillars; they outlive moves between layers."""
+        exported, step = edited.made.layering.layer != UNASSIGNED, _metres(parameters.link_step)
         chosen = (np.packbits(exported).tobytes(), step)
-        links = self._once("links", field, chosen, lambda: link(field.made, exported, step))
-        cut = self._once("seams", edited, links.key, lambda: seams(links.made, layering))
-        return links.made, cut.made
+        return self._once("links", field, chosen, lambda: Links(field.made, exported, step)).made
 
 
 def _metres(value: float | str) -> float:

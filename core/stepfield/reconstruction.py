@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.heightmap import Frame, GrayScale, HeightMap, draw
 from stepfield.layers import Layering
+from stepfield.links import Links, seams
 from stepfield.moves import Outcome
 from stepfield.parameters import Parameters
 from stepfield.pillars import StepField
@@ -64,8 +66,8 @@ class Reconstruction:
     field : StepField
     automatic, layering : Layering
         Before and after the moves.
-    links, seams : ndarray of shape (n, 2), int64
-        Pairs of pillars.
+    linked : Links
+        Among the exported pillars.
     outcomes : tuple of Outcome
         One a move.
     layers : tuple of Layer
@@ -82,13 +84,22 @@ class Reconstruction:
     field: StepField
     automatic: Layering
     layering: Layering
-    links: Integers
-    seams: Integers
+    linked: Links
     outcomes: tuple[Outcome, ...]
     layers: tuple[Layer, ...]
     base_elevation: float
     max_height: float
     frame: Frame
+
+    @property
+    def links(self) -> Integers:
+        """Neighbouring pillars that continue each other, shape (n, 2), int64; found when first asked for."""
+        return self.linked.pairs
+
+    @cached_property
+    def seams(self) -> Integers:
+        """Links that the layering cuts, shape (n, 2), int64; found when first asked for."""
+        return seams(self.links, self.layering)
 
     def height_map(self, layer: Layer) -> HeightMap:
         """Draw one layer (5.2); drawn on demand, as images of large grids would not fit side by side."""

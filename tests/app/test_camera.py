@@ -128,7 +128,7 @@ def test_fitting_frames_the_bounds_with_a_margin(
     assert (free > MARGIN - 1e-3).all(), "a corner is cut off"
     seen = corners - np.mean(corners, axis=0)
     across = np.abs(seen @ np.array([camera.right, camera.up]).T).max()
-    if across > 0.05 * np.linalg.norm(extent) and across > 0.05:  # not a needle seen end-on
+    if across > 0.15 * np.linalg.norm(extent) and across > 0.05:  # not a needle seen nearly end-on
         assert free.min() < MARGIN + 1e-3, "the bounds could be shown larger"
 
 

@@ -258,6 +258,26 @@ def test_a_cancelled_load_keeps_the_old_scan_alive(
     document.close()
 
 
+def test_a_cancelled_result_goes_back_to_what_is_shown(
+    qtbot: QtBot, monkeypatch: pytest.MonkeyPatch, table: Path
+) -> None:
+    """Else the window would wait for ever for a result that nobody makes."""
+    document = Document()
+    with qtbot.waitSignal(document.opened):
+        document.open([table], BASE)
+    slow_files(monkeypatch, table)
+    document.set_parameters("Up", up="-z")
+    qtbot.waitUntil(lambda: document.busy)
+    document.cancel()
+    qtbot.waitUntil(lambda: not document.busy)
+    assert not document.pending
+    assert document.project.parameters == BASE
+    document.undo_stack.undo()
+    assert document.project.parameters.up == "-z", "what was given up cannot be had back"
+    document.cancel()
+    document.close()
+
+
 def test_a_second_load_replaces_the_first(
     qtbot: QtBot, monkeypatch: pytest.MonkeyPatch, table: Path, tmp_path: Path
 ) -> None:

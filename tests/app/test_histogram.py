@@ -15,12 +15,15 @@ from stepfield_app.theme import DARK, LIGHT
 from stepfield_app.views.histogram import LABEL, HistogramView, apart
 from stepfield_app.views.pictures import Histogram
 
+COLOURS = ("#0072b2", "#e69f00")
 LEVELS = (("Floor", "#0072b2", 0.25), ("Table", "#e69f00", 0.75))
 
 
 def histogram(levels: tuple[tuple[str, str, float], ...] = LEVELS, high: float = 1.0) -> Histogram:
-    """Count 12 431 points in the lowest of ten bins, 10 in all others."""
-    return Histogram(np.linspace(0, high, 11), np.array([12431, *[10] * 9]), levels)
+    """Count 12 431 points in the lowest of ten bins, 10 in all others; a third of all in the upper layer."""
+    counts = np.array([12431, *[10] * 9])
+    upper = counts // 3
+    return Histogram(np.linspace(0, high, 11), np.array([counts - upper, upper]), COLOURS, levels)
 
 
 @pytest.fixture
@@ -47,6 +50,18 @@ def test_the_longest_bar_reaches_across_and_the_others_do_not(view: HistogramVie
     ratio = image.devicePixelRatioF()
     at = [(view.pixel_of(11_000, z) * ratio).toPoint() for z in (0.05, 0.55)]
     assert image.pixelColor(at[0]) != image.pixelColor(at[1])
+
+
+def test_bars_of_layers_stand_one_after_the_other(view: HistogramView) -> None:
+    """The layers' shares of an elevation could not be told apart."""
+    view.set_histogram(histogram(levels=()))
+    image = view.grab().toImage()
+    lower, upper = (
+        image.pixelColor((view.pixel_of(count, 0.05) * image.devicePixelRatioF()).toPoint())
+        for count in (4_000, 11_000)
+    )
+    assert lower.blue() > lower.red()
+    assert upper.red() > upper.blue()
 
 
 @pytest.mark.parametrize("theme", [DARK, LIGHT])

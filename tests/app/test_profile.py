@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPointF, Qt
 from PySide6.QtGui import QColor, QMouseEvent
-from PySide6.QtWidgets import QApplication, QCheckBox, QDoubleSpinBox, QToolButton, QWidget
+from PySide6.QtWidgets import QApplication, QDoubleSpinBox, QToolButton, QWidget
 from pytestqt.qtbot import QtBot
 
 from stepfield_app.theme import LIGHT
@@ -84,7 +84,7 @@ def test_points_and_pillars_can_be_hidden_apart(view: ProfileView) -> None:
     """Dense points would cover the pillars for good."""
     view.set_section(section())
     for name in ("Points", "Pillars"):
-        box = control(view, QCheckBox, name)
+        box = control(view, QToolButton, f"{name} in the profile")
         box.setChecked(False)
     assert colour_at(view, 2.5, 1.0) == QColor(view.plot.theme.window)
     assert colour_at(view, 2.5, 0.4) == QColor(view.plot.theme.window)
@@ -165,4 +165,4 @@ def test_without_a_line_the_controls_are_off(view: ProfileView) -> None:
     """Controls that do nothing would look broken."""
     view.set_section(section())
     view.set_section(None)
-    assert not any(box.isEnabled() for box in view.findChildren(QCheckBox))
+    assert not any(button.isEnabled() for button in view.findChildren(QToolButton))

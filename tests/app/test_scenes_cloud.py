@@ -90,7 +90,7 @@ def test_classes_keep_their_codes_and_name_those_present(scan: Scan) -> None:
     made = colouring.by_class(scan)
     assert np.array_equal(made.codes, scan.attributes["classification"])
     assert made.legend is not None
-    assert [name for _, name in made.legend.entries] == ["Ground", "Building", "Bridge deck"]
+    assert [name for _, name in made.legend.entries] == ["2  Ground", "6  Building", "17  Bridge deck"]
 
 
 def test_no_two_standard_classes_look_the_same() -> None:

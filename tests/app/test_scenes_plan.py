@@ -15,7 +15,10 @@ from stepfield_app.scenes.cloud import Cloud, cloud
 from stepfield_app.scenes.palette import layer_codes, layer_colours
 from stepfield_app.scenes.raster import Mode, elevations, hillshade, raster, thumbnail
 from stepfield_app.scenes.readout import compartment_at, pillars_at
-from stepfield_app.scenes.section import section
+from stepfield_app.scenes.section import Section, band
+from stepfield_app.scenes.section import section as section_of
+
+Place = tuple[float, float]
 
 
 @pytest.fixture
@@ -25,6 +28,10 @@ def result(tmp_path: Path) -> Reconstruction:
 
 def placed(result: Reconstruction) -> Cloud:
     return cloud(result.scan, result.scan.bounds()[0])
+
+
+def section(result: Reconstruction, start: Place, end: Place, width: float, most: int = 1000) -> Section:
+    return section_of(band(placed(result), start, end, width, most), result)
 
 
 def at(x: float, y: float) -> tuple[float, float]:
@@ -122,7 +129,7 @@ def test_there_is_nothing_beside_the_grid(result: Reconstruction, place: tuple[f
 
 
 def test_a_section_takes_the_points_near_the_line(result: Reconstruction) -> None:
-    made = section(placed(result), result, at(0, 3.1), at(8, 3.1), 0.5)
+    made = section(result, at(0, 3.1), at(8, 3.1), 0.5)
     y = result.scan.y.values() - UTM[1]
     near = (y >= 2.85) & (y <= 3.35)
     assert made.found == len(made.along) == np.count_nonzero(near)
@@ -132,7 +139,7 @@ def test_a_section_takes_the_points_near_the_line(result: Reconstruction) -> Non
 
 
 def test_a_slanted_line_measures_along_itself(result: Reconstruction) -> None:
-    made = section(placed(result), result, at(1, 1), at(4, 5), 0.4)
+    made = section(result, at(1, 1), at(4, 5), 0.4)
     assert made.length == pytest.approx(5)
     place = result.scan.points()[:, :2] - at(1, 1)
     along, aside = place @ [0.6, 0.8], np.abs(place @ [0.8, -0.6])
@@ -141,7 +148,7 @@ def test_a_slanted_line_measures_along_itself(result: Reconstruction) -> None:
 
 
 def test_the_rectangles_are_the_pillars_the_line_cuts(result: Reconstruction) -> None:
-    cut = section(placed(result), result, at(-1, 3.1), at(8, 3.1), 0.5).cut
+    cut = section(result, at(-1, 3.1), at(8, 3.1), 0.5).cut
     floor, top = cut.layer == 0, cut.layer == 1
     assert np.allclose(cut.start[floor], 1 + np.arange(0, 8, 0.5))
     assert np.allclose(cut.end[floor], 1.5 + np.arange(0, 8, 0.5))
@@ -155,7 +162,7 @@ def test_the_rectangles_are_the_pillars_the_line_cuts(result: Reconstruction) ->
 def test_rectangles_cover_the_line_without_gaps(
     result: Reconstruction, ends: tuple[tuple[float, float], tuple[float, float]]
 ) -> None:
-    made = section(placed(result), result, at(*ends[0]), at(*ends[1]), 0.5)
+    made = section(result, at(*ends[0]), at(*ends[1]), 0.5)
     floor = made.cut.layer == 0
     assert (made.cut.end - made.cut.start)[floor].sum() == pytest.approx(made.length)
     for start, end, pillar in zip(made.cut.start, made.cut.end, made.cut.pillar, strict=True):
@@ -165,12 +172,12 @@ def test_rectangles_cover_the_line_without_gaps(
 
 def test_a_line_without_length_or_beside_the_grid_cuts_nothing(result: Reconstruction) -> None:
     for ends in ((at(3, 3), at(3, 3)), (at(20, 3), at(30, 3))):
-        made = section(placed(result), result, *ends, 0.5)
+        made = section(result, *ends, 0.5)
         assert made.found == len(made.along) == len(made.cut.pillar) == 0
 
 
 def test_too_many_points_become_an_even_subset_and_are_told(result: Reconstruction) -> None:
-    made = section(placed(result), result, at(0, 3), at(8, 3), 6, most=50)
+    made = section(result, at(0, 3), at(8, 3), 6, most=50)
     assert len(made.along) == len(made.elevation) == len(made.codes) == 50
     assert made.found > 700
     assert np.ptp(made.along) > 6

@@ -39,7 +39,33 @@ def test_help_needs_not_even_numpy() -> None:
     assert "numpy" not in loaded_by("import stepfield.cli.commands")
 
 
-@pytest.mark.parametrize("root", ["core", "resources"])
+@pytest.mark.parametrize(
+    "statement",
+    ["import stepfield_app.application", "import stepfield_app.feeds.drawing, stepfield_app.export"],
+)
+def test_the_window_never_loads_open3d(statement: str) -> None:
+    """It takes seconds and may take the window down: it lives in a process of its own."""
+    assert not loaded_by(statement) & {"open3d", "matplotlib", "numba"}
+
+
+def test_the_core_knows_no_window() -> None:
+    everything = (
+        "import stepfield.cli.commands, stepfield.pipeline, stepfield.stack, stepfield.synth, stepfield.scan"
+    )
+    assert not loaded_by(everything) & {"PySide6", "pyqtgraph", "stepfield_app", "stepfield_resources"}
+
+
+def test_scenes_and_the_drawing_process_need_no_qt() -> None:
+    scenes = [
+        path.stem for path in (REPOSITORY / "app/stepfield_app/scenes").glob("*.py") if path.stem[0] != "_"
+    ]
+    names = [f"stepfield_app.scenes.{name}" for name in scenes]
+    assert len(names) > 10
+    statement = f"import {', '.join([*names, 'stepfield_app.requests', 'stepfield_app.render.server'])}"
+    assert "PySide6" not in loaded_by(statement)
+
+
+@pytest.mark.parametrize("root", ["core", "app", "resources"])
 def test_source_roots_are_no_packages(root: str) -> None:
     """With an __init__.py there, every class would exist twice under two names."""
     assert not (REPOSITORY / root / "__init__.py").exists()

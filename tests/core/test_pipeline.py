@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 from tests.conftest import scan_of
 
+from stepfield import links
 from stepfield import pipeline as stages
 from stepfield.compartments import sort_into_compartments
 from stepfield.errors import Cancelled, GridError, ParameterError
+from stepfield.layers import UNASSIGNED
+from stepfield.links import link
 from stepfield.parameters import Parameters
 from stepfield.pipeline import Pipeline
 from stepfield.project import Move
@@ -19,7 +22,7 @@ from stepfield.reconstruction import Reconstruction
 
 STAGES = [
     *("read_scan", "cleaned", "sort_into_compartments", "build_pillars"),
-    *("classify", "apply_moves", "link"),
+    *("classify", "apply_moves", "Links"),
 ]
 BASE = Parameters(cell_size=0.2, layer_tolerance=0.3, alpha=0.1)
 
@@ -61,7 +64,7 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         ({"bits": 8}, []),
         ({"range": "layer"}, []),
         ({"pad": "none"}, []),
-        ({"link_step": 0.1}, ["link"]),
+        ({"link_step": 0.1}, ["Links"]),
         ({"min_points": 3}, STAGES[4:]),
         ({"layering": "rank"}, ["classify", "apply_moves"]),
         ({"layer_tolerance": 0.2}, STAGES[3:]),
@@ -94,7 +97,7 @@ def test_a_move_runs_from_the_layering_on(table: Path, ran: list[str]) -> None:
     first = pipeline.run([table], BASE)
     ran.clear()
     edited = pipeline.run([table], BASE, [moved(first, "unassigned")])
-    assert ran == ["apply_moves", "link"]
+    assert ran == ["apply_moves", "Links"]
     assert edited.layering.unassigned == first.layering.unassigned + 3
 
 
@@ -109,6 +112,22 @@ def test_a_move_between_layers_cuts_other_seams_but_links_stay(table: Path, ran:
     assert len(edited.seams) > len(first.seams)
     assert np.array_equal(edited.seams, fresh.seams)
     assert np.array_equal(edited.links, fresh.links)
+
+
+def test_links_are_found_when_asked_for(table: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A slider that looks for links nobody sees takes twice as long to follow."""
+    looked: list[int] = []
+
+    def watched(*given: Any) -> Any:
+        looked.append(1)
+        return link(*given)
+
+    monkeypatch.setattr(links, "link", watched)
+    result = Pipeline().run([table], BASE)
+    assert not looked
+    assert np.array_equal(result.links, link(result.field, result.layering.layer != UNASSIGNED, 0.3))
+    assert np.array_equal(result.seams, links.seams(result.links, result.layering))
+    assert len(looked) == 1, "found anew each time"
 
 
 @pytest.mark.parametrize("change", [{}, {"cell_size": 0.17}, {"crop": (0.5, 0.5, -1.0, 2.5, 2.5, 2.0)}])

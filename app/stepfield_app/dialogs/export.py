@@ -114,14 +114,14 @@ class ExportDialog(QDialog):
         if self._wanted and self._is_exact() and not self._writer.busy:
             self._write()
         elif self._wanted and not self._writer.busy:
-            self._say("Waiting for the exact result …")
+            self._say("Waiting for the exact result…")
         self._update()
 
     def _write(self) -> None:
         assert self._document.answer is not None
         self._wanted = False
         choice = self.folder_choice
-        self._say(f"Writing to {choice.folder} …")
+        self._say(f"Writing to {choice.folder}…")
         self._writer.ask(Export(self._document.answer.result, choice.folder, choice.overwrite))
 
     def _show_preview(self, result: Reconstruction, stack: StackPreview) -> None:

@@ -21,7 +21,7 @@ class FolderChoice(QWidget):
         self._name = QLineEdit(str(folder))
         self._name.setToolTip("Folder of the stack; it is made if it does not exist")
         self._name.setAccessibleName("Folder")
-        self._browse = QPushButton(icon("folder"), "Browse …")
+        self._browse = QPushButton(icon("folder"), "Browse…")
         self._browse.setToolTip("Choose the folder the stack goes to")
         self._browse.setAutoDefault(False)
         self._verdict = QLabel()

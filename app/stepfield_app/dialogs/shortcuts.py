@@ -84,7 +84,6 @@ class ShortcutSheet(QDialog):
         layout.addWidget(heading, 0, 0, 1, 2)
         for row, (name, keys) in enumerate(entries, start=1):
             what, key = QLabel(name), QLabel(keys)
-            what.setWordWrap(True)
             key.setProperty("role", "key")
             layout.addWidget(what, row, 0)
             layout.addWidget(key, row, 1, Qt.AlignmentFlag.AlignRight)
@@ -121,8 +120,9 @@ def _all(actions: list[QAction]) -> Iterator[QAction]:
 def _entries(actions: list[QAction]) -> Iterator[Entry]:
     for action in _all(actions):
         keys = [keys.toString(QKeySequence.SequenceFormat.NativeText) for keys in action.shortcuts()]
-        if action.text() and (shown := [key for key in keys if key]):
-            yield _plain(action.text()), "  or  ".join(shown)
+        name = action.data() or action.text()  # the text of Undo names a step, its data never does
+        if name and (shown := [key for key in keys if key]):
+            yield _plain(name), "  or  ".join(shown)
 
 
 def _plain(text: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stepfield.layers import UNASSIGNED
 from stepfield.progress import Progress
 from stepfield.reconstruction import Reconstruction
 from stepfield.scan import Scan
@@ -23,6 +25,8 @@ from stepfield_app.theme import Theme, ramp
 Floats = NDArray[np.float64]
 #: What the blocks and surfaces can show, with the names offered to the operator.
 SOLID_MODES = (("layer", "Layer"), ("height", "Height"))
+#: Blocks, or pixels of the layers, while a hand moves: about what a moving picture shows of them.
+QUICK_BLOCKS = 40_000
 #: Size of a mark as a share of the scan's diagonal.
 MARK_SHARE = 0.004
 POINT_MODES = {
@@ -55,6 +59,8 @@ class Wish:
     theme : Theme
     marks : ndarray of shape (n, 3), float64, or None
         Places to mark in the cloud, scan coordinates, metres.
+    quick : bool
+        Whether pillars and layers may be coarse: a hand moves, and the next picture comes soon.
     """
 
     answer: Answer
@@ -65,6 +71,7 @@ class Wish:
     visible: tuple[int, ...]
     theme: Theme
     marks: Floats | None = None
+    quick: bool = False
 
     @property
     def result(self) -> Reconstruction:
@@ -86,6 +93,7 @@ class Drawn:
 
     pictures: Mapping[str, Picture]
     cloud: Cloud
+    seconds: float
 
 
 class Drawing:
@@ -101,13 +109,13 @@ class Drawing:
 
     def __call__(self, wish: Wish, progress: Progress) -> Drawn:
         """Draw the views that are shown."""
-        shown = self._shown(wish)
+        start, shown = time.perf_counter(), self._shown(wish)
         draw = {CLOUD: self._of_cloud, PILLARS: self._of_pillars, RECONSTRUCTION: self._of_layers}
         pictures = {}
         for done, name in enumerate(wish.views):
             progress(done / len(wish.views), f"drawing {name}")
             pictures[name] = draw[name](wish)
-        return Drawn(pictures, shown)
+        return Drawn(pictures, shown, time.perf_counter() - start)
 
     def _shown(self, wish: Wish) -> Cloud:
         """Return the cloud of an exact answer, or the one before while there is but a preview."""
@@ -122,14 +130,10 @@ class Drawing:
     def _of_cloud(self, wish: Wish) -> Picture:
         shown = self._shown(wish)
         colours = self._coloured(shown.scan, wish)
-        low, high = shown.box
-        scene = _scene(wish, low, high, points=points(shown, colours))
-        if wish.marks is not None:
-            marks = crosses(
-                wish.marks - wish.origin, MARK_SHARE * float(np.linalg.norm(high - low)), wish.theme.error
-            )
-            scene = replace(scene, lines=(*scene.lines, marks))
-        return Picture(scene, colours.legend)
+        key = (shown, colours, wish.theme, wish.marks)
+        # The very same scene need not be drawn again: of many points that takes seconds.
+        picture: Picture = self._once(CLOUD, key, lambda: _cloud_picture(wish, shown, colours))
+        return picture
 
     def _placed(self, scan: Scan, origin: Floats) -> Cloud:
         def make() -> Cloud:
@@ -152,28 +156,29 @@ class Drawing:
 
     def _of_pillars(self, wish: Wish) -> Picture:
         mode = wish.modes[PILLARS]
+        most = QUICK_BLOCKS if wish.quick else blocks.MOST_BLOCKS
         return self._solid(
             wish,
             PILLARS,
-            lambda: blocks.blocks(wish.result, wish.origin, wish.colours, wish.visible, mode=mode),
+            lambda: blocks.blocks(wish.result, wish.origin, wish.colours, wish.visible, mode=mode, most=most),
         )
 
     def _of_layers(self, wish: Wish) -> Picture:
         mode = wish.modes[RECONSTRUCTION]
+        most = QUICK_BLOCKS if wish.quick else surfaces.MOST_PIXELS
         return self._solid(
             wish,
             RECONSTRUCTION,
-            lambda: surfaces.surfaces(wish.result, wish.origin, wish.colours, wish.visible, mode=mode),
+            lambda: surfaces.surfaces(
+                wish.result, wish.origin, wish.colours, wish.visible, mode=mode, most=most
+            ),
         )
 
     def _solid(self, wish: Wish, view: str, make: Callable[[], tuple[Triangles, ...]]) -> Picture:
         mode = wish.modes[view]
-        meshes = self._once(view, (wish.result, mode, wish.colours, wish.visible), make)
-        legend = (
-            _heights(wish.result) if mode == "height" else _layers(wish.result, wish.colours, wish.visible)
-        )
-        low, high = (bound - wish.origin for bound in wish.result.scan.bounds())
-        return Picture(_scene(wish, low, high, meshes=meshes), legend)
+        meshes = self._once(view, (wish.result, mode, wish.colours, wish.visible, str(wish.quick)), make)
+        legend = _heights(wish.result) if mode == "height" else _layers(wish, view)
+        return Picture(_scene(wish, self._shown(wish), meshes=meshes), legend)
 
     def _once(self, name: str, key: tuple[Any, ...], make: Callable[[], Any]) -> Any:
         """Make a part unless it was made from these very values last time; keeping them keeps them apart."""
@@ -198,15 +203,24 @@ def _same(one: Any, other: Any) -> bool:
     return one is other or (isinstance(one, str | tuple) and bool(one == other))
 
 
+def _cloud_picture(wish: Wish, shown: Cloud, colours: colouring.Colouring) -> Picture:
+    scene = _scene(wish, shown, points=points(shown, colours))
+    if wish.marks is not None:
+        low, high = shown.box
+        marks = crosses(
+            wish.marks - wish.origin, MARK_SHARE * float(np.linalg.norm(high - low)), wish.theme.error
+        )
+        scene = replace(scene, lines=(*scene.lines, marks))
+    return Picture(scene, colours.legend)
+
+
 def _scene(
-    wish: Wish,
-    low: Floats,
-    high: Floats,
-    *,
-    points: Points | None = None,
-    meshes: tuple[Triangles, ...] = (),
+    wish: Wish, shown: Cloud, *, points: Points | None = None, meshes: tuple[Triangles, ...] = ()
 ) -> Scene:
-    lines: tuple[Lines, ...] = (ground(low, high, wish.theme, wish.origin),)
+    """Frame nearly all points, over a grid that lies below every one."""
+    low, high = shown.core
+    lowest = np.array([low[0], low[1], shown.box[0][2]])
+    lines: tuple[Lines, ...] = (ground(lowest, high, wish.theme, wish.origin),)
     return Scene(points, meshes, lines, low, high)
 
 
@@ -215,13 +229,14 @@ def _heights(result: Reconstruction) -> Legend:
     return Legend("Elevation", "m", ramp("height"), low=low, high=high)
 
 
-def _layers(result: Reconstruction, colours: NDArray[np.uint8], visible: tuple[int, ...]) -> Legend:
-    names = {-1: "Unassigned"} | {layer.index: layer.name for layer in result.layers}
-    shown = sorted((index for index in visible if index in names), reverse=True)
-    if -1 in visible and not result.layering.unassigned:
-        shown.remove(-1)
+def _layers(wish: Wish, view: str) -> Legend:
+    """Name the layers that are drawn; what is in no layer stands among the pillars only."""
+    result, colours = wish.result, wish.colours
+    names = {layer.index: layer.name for layer in result.layers}
+    if result.layering.unassigned and view == PILLARS:
+        names[UNASSIGNED] = "Unassigned"
     entries = []
-    for index in shown:
+    for index in sorted((index for index in wish.visible if index in names), reverse=True):
         red, green, blue = (int(part) for part in colours[index])
         entries.append(((red, green, blue), names[index]))
     return Legend("Layer", entries=tuple(entries))

@@ -8,13 +8,13 @@ from PySide6.QtCore import QObject, Signal
 
 from stepfield_app.document import Document
 from stepfield_app.feeds.plots import (
+    Cutting,
     MapWish,
     PanelPictures,
     PanelWish,
     SectionWish,
     map_picture,
     panel_pictures,
-    section_along,
 )
 from stepfield_app.feeds.scene_feed import SceneFeed
 from stepfield_app.newest import NewestWins
@@ -47,7 +47,7 @@ class PlotFeed(QObject):
         self._map, self._profile, self._histogram, self._layers = map_view, profile, histogram, layers
         self._maps = self._worker(map_picture, "map", self._show_map)
         self._panels = self._worker(panel_pictures, "layers panel", self._show_panel)
-        self._sections = self._worker(section_along, "profile", self._show_section)
+        self._sections = self._worker(Cutting(), "profile", self._show_section)
         self._is_new = True
         document.answer_changed.connect(self._take)
         document.opened.connect(self._begin)
@@ -83,6 +83,8 @@ class PlotFeed(QObject):
 
     def _take(self, answer: Answer | None) -> None:
         if answer is None:
+            for worker in self._workers:
+                worker.cancel()
             self._is_new = True
             self._map.clear()
             self._profile.set_section(None)

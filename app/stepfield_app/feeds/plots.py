@@ -17,7 +17,7 @@ from stepfield_app.scenes.cloud import Cloud
 from stepfield_app.scenes.histogram import of_layers
 from stepfield_app.scenes.palette import UNASSIGNED_CODE
 from stepfield_app.scenes.raster import raster, thumbnail
-from stepfield_app.scenes.section import section
+from stepfield_app.scenes.section import Band, band, section
 from stepfield_app.views.line import ProfileLine
 from stepfield_app.views.pictures import Histogram, MapPicture, Section
 
@@ -89,18 +89,35 @@ def panel_pictures(wish: PanelWish, progress: Progress) -> PanelPictures:
         (layer.name, _hex(wish.colours[layer.index]), float(elevations.averages[layer.index]))
         for layer in result.layers
     )
-    counts = np.rint(elevations.total).astype(np.int64)
+    counts = np.rint(elevations.counts).astype(np.int64)
+    colours = tuple(_hex(colour) for colour in wish.colours)
     numbers = [*(layer.index for layer in result.layers), UNASSIGNED]
     return PanelPictures(
         {index: thumbnail(result, index, THUMBNAIL) for index in numbers},
-        Histogram(elevations.edges, counts, levels),
+        Histogram(elevations.edges, counts, colours, levels),
     )
 
 
-def section_along(wish: SectionWish, progress: Progress) -> Section:
-    """Cut the scan and its pillars along a line."""
+class Cutting:
+    """Cuts scans along lines, for one thread at a time; looks for the points again for another line only."""
+
+    def __init__(self) -> None:
+        self._of: tuple[Cloud, ProfileLine] | None = None
+        self._band: Band | None = None
+
+    def __call__(self, wish: SectionWish, progress: Progress) -> Section:
+        """Cut the scan and its pillars along a line."""
+        line = wish.line
+        if self._band is None or self._of is None or self._of[0] is not wish.cloud or self._of[1] != line:
+            self._of, self._band = None, None  # the old points go before the new ones take their memory
+            self._band = band(wish.cloud, line.start, line.end, line.width)
+            self._of = wish.cloud, line
+        return _section(wish, self._band)
+
+
+def _section(wish: SectionWish, near: Band) -> Section:
     result, line = wish.answer.result, wish.line
-    found = section(wish.cloud, result, line.start, line.end, line.width)
+    found = section(near, result)
     cut, last = found.cut, len(result.layers)
     foot = np.where(cut.standing, found.base_elevation, cut.low)
     return Section(

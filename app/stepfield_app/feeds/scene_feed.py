@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, QTimer, Signal
 
 from stepfield_app.document import Document
 from stepfield_app.facts import ScanFacts
@@ -20,6 +20,9 @@ from stepfield_app.scenes.cloud import Cloud
 from stepfield_app.scenes.palette import layer_colours
 from stepfield_app.theme import DARK, Theme
 from stepfield_app.views.trio import Trio
+
+#: While a hand moves, rest this many times as long as the last scenes took: map and panels come first.
+RESTS = 2
 
 
 @dataclass
@@ -53,20 +56,23 @@ class SceneFeed(QObject):
         self._choices = Choices()
         self.origin = np.zeros(3)
         self.cloud: Cloud | None = None
-        self._fits = False
+        self._fits = self._is_late = self._owes_detail = False
+        self._breath = QTimer(self, singleShot=True)
+        self._breath.timeout.connect(self._catch_up)
         self._drawing = NewestWins[Wish, Drawn](Drawing(), "drawing", self)
         self._drawing.answered.connect(self._show)
         self._drawing.failed.connect(lambda _, error: self.failed.emit(error))
         document.facts_changed.connect(self._place)
         document.answer_changed.connect(self._take)
         document.opened.connect(self._begin)
+        document.held_changed.connect(self._hold)
         trio.colour_chosen.connect(self._choose_colour)
         trio.arranged.connect(self.ask)
 
     @property
     def is_idle(self) -> bool:
         """Whether every scene asked for has been handed over."""
-        return not self._drawing.busy
+        return not self._drawing.busy and not self._owes_detail
 
     def set_visible(self, layers: tuple[int, ...]) -> None:
         """Show these layers, -1 for Unassigned."""
@@ -92,15 +98,26 @@ class SceneFeed(QObject):
 
     def ask(self) -> None:
         """Ask for the scenes of the views that are shown."""
-        answer = self._document.answer
-        if answer is None:
+        answer, is_held = self._document.answer, self._document.held
+        self._owes_detail = is_held and answer is not None
+        self._is_late = self._owes_detail and (self._drawing.busy or self._breath.isActive())
+        if answer is None or self._is_late:
             return
         choices = self._choices
         colours = layer_colours(len(answer.result.layers), self._document.project.layers)
         views, modes = self._trio.shown, dict(choices.modes)
-        self._drawing.ask(
-            Wish(answer, self.origin, views, modes, colours, choices.visible, choices.theme, choices.marks)
-        )
+        look = choices.visible, choices.theme, choices.marks
+        self._drawing.ask(Wish(answer, self.origin, views, modes, colours, *look, quick=is_held))
+
+    def _hold(self, is_held: bool) -> None:
+        """Draw coarsely and at a calmer pace while a hand moves; then all there is."""
+        self._trio.viewpoint.set_held(is_held)
+        if not is_held and self._owes_detail:
+            self.ask()
+
+    def _catch_up(self) -> None:
+        if self._is_late:
+            self.ask()
 
     def _place(self, facts: ScanFacts | None) -> None:
         """Place the local origin: at the corner of the scan, so that float32 is exact enough."""
@@ -138,6 +155,7 @@ class SceneFeed(QObject):
         self.ask()
 
     def _show(self, wish: Wish, drawn: Drawn) -> None:
+        self._breath.start(round(1000 * RESTS * drawn.seconds))
         if wish.origin is not self.origin:
             return  # of a scan that is open no more
         if drawn.cloud is not self.cloud:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QObject
+from PySide6.QtCore import QElapsedTimer, QObject
 
 from stepfield_app.document import Document
 from stepfield_app.feeds.scene_feed import SceneFeed
@@ -11,6 +11,9 @@ from stepfield_app.scenes.readout import compartment_at, pillars_at
 from stepfield_app.views.map import MapView
 from stepfield_app.views.status import Status
 from stepfield_app.views.trio import Trio
+
+#: Milliseconds of work that need no progress bar.
+BLINK = 250
 
 
 class StatusFeed(QObject):
@@ -21,8 +24,9 @@ class StatusFeed(QObject):
     ) -> None:
         super().__init__(status)
         self._document, self._status, self._scene_feed = document, status, scene_feed
+        self._since = QElapsedTimer()
         document.answer_changed.connect(self._take)
-        document.progressed.connect(status.show_progress)
+        document.progressed.connect(self._show_progress)
         document.busy_changed.connect(self._note_busy)
         trio.hovered.connect(self._over_scene)
         map_view.cursor_moved.connect(self._over_map)
@@ -38,8 +42,15 @@ class StatusFeed(QObject):
         pillars = sum(len(layer.pillars) for layer in result.layers)
         self._status.show_result(pillars, len(result.layers), points, answer.seconds)
 
+    def _show_progress(self, share: float, what: str) -> None:
+        """Show it unless a hand moves: a bar that comes and goes would lay the window out at every step."""
+        if not self._document.held and self._since.hasExpired(BLINK):
+            self._status.show_progress(share, what)
+
     def _note_busy(self, is_busy: bool) -> None:
-        if not is_busy:
+        if is_busy:
+            self._since.start()
+        else:
             self._status.clear_progress()
 
     def _over_scene(self, place: tuple[float, float, float] | None) -> None:

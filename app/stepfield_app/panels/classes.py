@@ -9,36 +9,10 @@ from stepfield_app.controls import named
 from stepfield_app.document import Document
 from stepfield_app.facts import ScanFacts
 from stepfield_app.panels.page import GRID, column, muted
+from stepfield_app.scenes.classes import class_name
 from stepfield_app.wording import grouped
 
 RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-
-#: Names of the ASPRS standard classes (LAS 1.4 R15, table 17).
-NAMES = {
-    0: "Never classified",
-    1: "Unclassified",
-    2: "Ground",
-    3: "Low vegetation",
-    4: "Medium vegetation",
-    5: "High vegetation",
-    6: "Building",
-    7: "Low point (noise)",
-    8: "Model key point",
-    9: "Water",
-    10: "Rail",
-    11: "Road surface",
-    12: "Overlap",
-    13: "Wire, guard",
-    14: "Wire, conductor",
-    15: "Transmission tower",
-    16: "Wire connector",
-    17: "Bridge deck",
-    18: "High noise",
-    19: "Overhead structure",
-    20: "Ignored ground",
-    21: "Snow",
-    22: "Temporal exclusion",
-}
 
 
 class ClassesGroup(QWidget):
@@ -97,10 +71,3 @@ class ClassesGroup(QWidget):
         self._document.set_parameters(
             f"{verb} class {code} {class_name(code)}", classes=None if all_kept else tuple(kept)
         )
-
-
-def class_name(code: int) -> str:
-    """Return the standard name of a class."""
-    if code in NAMES:
-        return NAMES[code]
-    return "Reserved" if code < 64 else "User defined"

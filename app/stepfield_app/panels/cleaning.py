@@ -16,7 +16,7 @@ from stepfield_app.panels.crop import CropGroup
 from stepfield_app.panels.hand import WheelGuard
 from stepfield_app.panels.outliers import OutliersGroup
 from stepfield_app.panels.page import GRID, Page, column, heading, muted
-from stepfield_app.wording import counted, grouped
+from stepfield_app.wording import advice, counted, grouped
 
 EMPTY = "Crop box, classes and outliers of a scan are chosen here. Open a scan to begin (Ctrl+O)."
 UNITS = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "ft": "feet", "us-ft": "US survey feet"}
@@ -112,7 +112,7 @@ class CleaningPanel(QWidget):
             self.classes.adapt(facts)
             is_auto = self._document.project.parameters.unit == "auto"
             self.unit.setItemText(0, f"auto: {UNITS[facts.unit]}" if is_auto else "auto")
-            self.advice.setText("\n".join(facts.scan.warnings))
+            self.advice.setText("\n".join(map(advice, facts.scan.warnings)))
             self.advice.setVisible(bool(facts.scan.warnings))
         self._show()
 

@@ -41,6 +41,8 @@ from stepfield_app.render.store import mapped, mapped_bytes, remove
 from stepfield_app.render.subject import Subject
 
 Say = Callable[[Message], None]
+#: How much less urgent than the window's own work the drawing is, on the scale of ``nice``.
+NICE = 5
 
 
 class Canvases:
@@ -199,8 +201,15 @@ def speaker() -> Say:
     return say
 
 
+def yield_to_the_window() -> None:
+    """Let the window go first where both want the processor."""
+    if hasattr(os, "nice"):
+        os.nice(NICE)
+
+
 def main(folders: Sequence[str]) -> None:
     """Draw until the window is gone."""
+    yield_to_the_window()
     say = speaker()
 
     def end() -> None:

@@ -66,6 +66,7 @@ def blocks(
     visible: Collection[int],
     levels: int = LEVELS,
     mode: Mode = "layer",
+    most: int = MOST_BLOCKS,
 ) -> tuple[Triangles, ...]:
     """Return the step-field in levels of detail, the finest first.
 
@@ -81,10 +82,13 @@ def blocks(
     levels : int
     mode : str
         Colour by ``layer``, or by ``height`` over :func:`height_range`.
+    most : int
+        More blocks are joined before they are drawn.
     """
     low, high = height_range(result)
     span = (low - origin[2], high - origin[2])
-    return meshes(step_field(result, origin, visible), colours, span if mode == "height" else None, levels)
+    stack = step_field(result, origin, visible)
+    return meshes(stack, colours, span if mode == "height" else None, levels, most)
 
 
 def height_range(result: Reconstruction) -> tuple[float, float]:
@@ -96,7 +100,7 @@ def height_range(result: Reconstruction) -> tuple[float, float]:
 
 
 def meshes(
-    stack: Stack, colours: Bytes, span: tuple[float, float] | None, levels: int
+    stack: Stack, colours: Bytes, span: tuple[float, float] | None, levels: int, most: int = MOST_BLOCKS
 ) -> tuple[Triangles, ...]:
     """Turn blocks into triangles, in levels of detail.
 
@@ -106,9 +110,9 @@ def meshes(
     colours : ndarray of shape (layers + 1, 3), uint8
     span : tuple of float or None
         Local elevations the height ramp spans; None colours by layer.
-    levels : int
+    levels, most : int
     """
-    while len(stack) > MOST_BLOCKS:
+    while len(stack) > most:
         stack = coarser(stack)
     made = [mesh(stack, colours, span)]
     for _ in range(levels - 1):

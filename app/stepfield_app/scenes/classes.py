@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from stepfield_app.scenes.arrays import frozen
 from stepfield_app.theme import LAYER_COLOURS, rgb
 
+#: The first code that makers give a meaning of their own.
+FIRST_OWN = 64
 #: Name and colour of the standard codes.
 CLASSES: dict[int, tuple[str, str]] = {
     0: ("Never classified", "#9aa0a6"),
@@ -39,8 +41,10 @@ CLASSES: dict[int, tuple[str, str]] = {
 
 
 def class_name(code: int) -> str:
-    """Name of a class; the others are the makers' own."""
-    return CLASSES[code][0] if code in CLASSES else f"Class {code}"
+    """Name of a class; the standard keeps some codes back and leaves the others to the makers."""
+    if code in CLASSES:
+        return CLASSES[code][0]
+    return "Reserved" if code < FIRST_OWN else "User defined"
 
 
 @cache

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.scan import Scan
 from stepfield_app.render.scene import Points
-from stepfield_app.scenes.arrays import frozen, in_chunks
+from stepfield_app.scenes.arrays import frozen, in_chunks, sample
 from stepfield_app.scenes.colouring import Colouring
 
 Floats = NDArray[np.float64]
+
+#: Points that stand for all when a view is framed, the share of them at either end of an axis that may be
+#: strays, and the room beside the others as a share of their extent.
+FRAMED, STRAYS, BESIDE = 100_000, 0.005, 0.03
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +45,16 @@ class Cloud:
         """Lowest and highest corner in local coordinates, metres."""
         low, high = self.scan.bounds()
         return low - self.origin, high - self.origin
+
+    @cached_property
+    def core(self) -> tuple[Floats, Floats]:
+        """Lowest and highest corner of nearly all points: a few strays far away would make the rest tiny."""
+        some = self.places[sample(len(self), FRAMED)]
+        if not len(some):
+            return self.box
+        low, high = np.quantile(some, [STRAYS, 1 - STRAYS], axis=0).astype(np.float64)
+        beside = BESIDE * (high - low)
+        return np.maximum(low - beside, self.box[0]), np.minimum(high + beside, self.box[1])
 
 
 def cloud(scan: Scan, origin: Floats) -> Cloud:

@@ -91,7 +91,7 @@ def by_class(scan: Scan) -> Colouring:
     """Colour points by their LAS class; the legend names the classes there are."""
     codes, palette = scan.attributes["classification"], class_palette()
     present = np.flatnonzero(np.bincount(codes, minlength=256))
-    entries = tuple((_colour(palette[code]), class_name(int(code))) for code in present)
+    entries = tuple((_colour(palette[code]), f"{code}  {class_name(int(code))}") for code in present)
     return Colouring(_read_only_view(codes), palette, Legend("Class", entries=entries))
 
 

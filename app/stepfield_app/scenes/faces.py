@@ -24,6 +24,8 @@ _WALLS = (
     (("west", "south"), ("east", "south")),
     (("west", "north"), ("west", "south")),
 )
+#: Corners of a face's two triangles, cut along one diagonal or the other.
+_UPRIGHT, _CROSSED = np.array([0, 1, 2, 0, 2, 3], np.int32), np.array([1, 2, 3, 1, 3, 0], np.int32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,13 +119,12 @@ def joined(parts: Sequence[Patches]) -> Triangles:
     vertices = np.concatenate([part.corners for part in parts]).reshape(-1, 3)
     colours = np.concatenate([part.colours for part in parts]).reshape(-1, 3)
     count = len(vertices) // 4
-    order = np.tile(np.array([0, 1, 2, 0, 2, 3], np.int32), (count, 1))
+    order = np.arange(0, 4 * count, 4, dtype=np.int32)[:, np.newaxis] + _UPRIGHT
     first = 0
     for part in parts:
         if part.crossed is not None:
-            order[first : first + len(part.corners)][part.crossed] = [1, 2, 3, 1, 3, 0]
+            order[first : first + len(part.corners)][part.crossed] += _CROSSED - _UPRIGHT
         first += len(part.corners)
-    order += np.arange(0, 4 * count, 4, dtype=np.int32)[:, np.newaxis]
     return Triangles(frozen(vertices), frozen(order.reshape(-1, 3)), frozen(colours))
 
 

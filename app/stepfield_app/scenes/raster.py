@@ -119,12 +119,7 @@ def thumbnail(
     -------
     ndarray of shape (h, w, 4), uint8
     """
-    grid, (compartment, elevation) = result.field.compartments.grid, _members(result, layer)
-    factor = max(1, -(-max(grid.rows, grid.columns) // side))
-    row, column = (place // factor for place in grid.row_column(compartment))
-    small = np.full((-(-grid.rows // factor), -(-grid.columns // factor)), -np.inf)
-    np.maximum.at(small, (row, column), elevation)
-    small[np.isneginf(small)] = np.nan
+    small = _highest(result, layer, side)
     share = steps(small, *robust_range(small, 0.02), 256)
     if colour is None:
         colours: Bytes = ramp("height")[share]
@@ -133,6 +128,19 @@ def thumbnail(
         colours = np.rint(dimmed).astype(np.uint8)
     picture, times = _opaque(colours, small), max(1, side // max(small.shape))
     return frozen(picture.repeat(times, axis=0).repeat(times, axis=1))
+
+
+def _highest(result: Reconstruction, layer: int, side: int) -> Floats:
+    """Greatest elevations of squares of compartments, at most ``side`` a side; NaN without a pillar."""
+    grid, (compartment, elevation) = result.field.compartments.grid, _members(result, layer)
+    factor = max(1, -(-max(grid.rows, grid.columns) // side))
+    rows, columns = -(-grid.rows // factor), -(-grid.columns // factor)
+    row, column = grid.row_column(compartment)
+    whole = np.full((rows * factor, columns * factor), -np.inf)
+    whole[row, column] = elevation  # of several in a compartment the last one stays: the highest
+    small: Floats = whole.reshape(rows, factor, columns, factor).max(axis=(1, 3))
+    small[np.isneginf(small)] = np.nan
+    return small
 
 
 def _members(result: Reconstruction, layer: int) -> tuple[Integers, Floats]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stepfield.grid import Grid
 from stepfield.pillars import StepField
 from stepfield.reconstruction import Reconstruction
+from stepfield.scan import Scan
 from stepfield_app.scenes.arrays import CHUNK, frozen, in_chunks
 from stepfield_app.scenes.cloud import Cloud
 from stepfield_app.scenes.membership import point_codes
@@ -78,20 +79,42 @@ class Section:
     base_elevation: float
 
 
-def section(
-    cloud: Cloud,
-    result: Reconstruction,
-    start: Sequence[float],
-    end: Sequence[float],
-    width: float,
-    most: int = MOST_POINTS,
-) -> Section:
-    """Cut a scan and its pillars along a line.
+@dataclass(frozen=True, eq=False)
+class Band:
+    """The points near a line, whatever the pillars: all of them are looked at to find these.
+
+    Attributes
+    ----------
+    scan : Scan
+    tail, tip : ndarray of shape (2,), float64
+        Ends of the line, scan coordinates, metres.
+    rows : ndarray of shape (n,), int64
+        Which points of the scan.
+    along : ndarray of shape (n,), float32
+        Metres from the start of the line.
+    elevation : ndarray of shape (n,), float64
+        Scan coordinates, metres.
+    found : int
+        How many there are; more than n when only an even subset is given.
+    """
+
+    scan: Scan
+    tail: Floats
+    tip: Floats
+    rows: Integers
+    along: NDArray[np.float32]
+    elevation: Floats
+    found: int
+
+
+def band(
+    cloud: Cloud, start: Sequence[float], end: Sequence[float], width: float, most: int = MOST_POINTS
+) -> Band:
+    """Find the points near a line.
 
     Parameters
     ----------
     cloud : Cloud
-    result : Reconstruction
     start, end : sequence of float
         x and y in scan coordinates, metres.
     width : float
@@ -105,13 +128,19 @@ def section(
     if found > most:
         kept = np.linspace(0, found - 1, most).astype(np.int64)
         near, along = near[kept], along[kept]
+    elevation = cloud.scan.z.values(near)
+    return Band(cloud.scan, tail, tip, frozen(near), frozen(along), frozen(elevation), found)
+
+
+def section(band: Band, result: Reconstruction) -> Section:
+    """Cut the pillars along the line of a band, and tell which of them its points belong to."""
     return Section(
-        length=float(np.hypot(*(tip - tail))),
-        along=frozen(along),
-        elevation=frozen(cloud.scan.z.values(near)),
-        codes=point_codes(cloud.scan, result, near),
-        found=found,
-        cut=cut(result, tail, tip),
+        length=float(np.hypot(*(band.tip - band.tail))),
+        along=band.along,
+        elevation=band.elevation,
+        codes=point_codes(band.scan, result, band.rows),
+        found=band.found,
+        cut=cut(result, band.tail, band.tip),
         base_elevation=result.base_elevation,
     )
 

@@ -41,6 +41,7 @@ def surfaces(
     visible: Collection[int],
     way: Way = "simulator",
     mode: Mode = "layer",
+    most: int = MOST_PIXELS,
 ) -> tuple[Triangles, ...]:
     """Return the visible layers in levels of detail, the finest first.
 
@@ -57,6 +58,8 @@ def surfaces(
         base plane to each pillar's top.
     mode : str
         Colour by ``layer``, or by ``height`` over :func:`~stepfield_app.scenes.blocks.height_range`.
+    most : int
+        Pixels of the finest level; the coarsest is always there.
     """
     low, high = height_range(result)
     span = (low - origin[2], high - origin[2]) if mode == "height" else None
@@ -68,7 +71,7 @@ def surfaces(
         )
     return tuple(
         merged([_drawn(result, layer, stride, origin, colours, span) for layer in layers])
-        for stride in _strides(layers)
+        for stride in _strides(layers, most)
     )
 
 
@@ -84,9 +87,9 @@ def merged(parts: Collection[Triangles]) -> Triangles:
     )
 
 
-def _strides(layers: Collection[Layer]) -> tuple[int, ...]:
+def _strides(layers: Collection[Layer], most: int) -> tuple[int, ...]:
     pixels = sum(len(layer.pillars) for layer in layers)
-    return STRIDES if pixels <= MOST_PIXELS else STRIDES[1:]
+    return tuple(stride for stride in STRIDES if pixels <= most * stride**2) or STRIDES[-1:]
 
 
 def _drawn(

@@ -38,7 +38,6 @@ class CropTool(QObject):
         self._held: tuple[crop.Handle, Box, QPointF] | None = None
         self._hovered: crop.Handle | None = None
         self._gesture: Gesture | None = None
-        self._is_active = False
         document.project_changed.connect(self._repaint)
 
     def set_theme(self, theme: Theme) -> None:
@@ -46,10 +45,14 @@ class CropTool(QObject):
         self._theme = theme
 
     def set_active(self, is_active: bool) -> None:
-        """Show the box and take the mouse on its handles, or not."""
-        self._is_active = is_active
+        """Show the box and take the mouse on its handles, or not; a drag ends where it is."""
+        self.release()
+        self._hovered = None
         for canvas in self._trio.canvases.values():
             canvas.tool = self if is_active else None
+        box = self.box
+        local = self._local(np.reshape(box, (2, 3))) if is_active and box is not None else None
+        self._trio.reach_for((local[0], local[1]) if local is not None else None)
         self._repaint()
 
     @property
@@ -138,9 +141,8 @@ class CropTool(QObject):
         return local
 
     def _repaint(self) -> None:
-        if self._is_active or self._hovered is None:
-            for canvas in self._trio.canvases.values():
-                canvas.update()
+        for canvas in self._trio.canvases.values():
+            canvas.update()
 
 
 def _box(values: NDArray[np.float64]) -> Box:

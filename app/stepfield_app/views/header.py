@@ -5,50 +5,32 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import Signal
-from PySide6.QtGui import QMouseEvent
-from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QWidget
+from PySide6.QtGui import QMouseEvent, QResizeEvent
+from PySide6.QtWidgets import QComboBox, QWidget
 
-from stepfield_app.icons import icon
+from stepfield_app.controls import named, snug
+from stepfield_app.views.strip import Strip, tool_button
 
-HEIGHT = 28
+#: A header is never narrower, and what stands in it beside its name and the colours; pixels.
+LEAST_WIDTH, BESIDE = 160, 56
 
 
-class ViewHeader(QWidget):
+class ViewHeader(Strip):
     """Names a view and lets its colours be chosen; a double-click enlarges the view."""
 
     enlarge_asked = Signal()
     colour_chosen = Signal(str)
 
     def __init__(self, title: str, shortcut: str, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setFixedHeight(HEIGHT)
-        self._title = QLabel(f"<b>{title}</b>")
-        self._title.setToolTip(f"Double-click to enlarge ({shortcut})")
-        self._detail = QLabel()
-        self._detail.setProperty("role", "muted")
-        self._detail.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self._colours = QComboBox()
-        self._colours.setAccessibleName(f"Colours of the view {title}")
-        self._colours.setToolTip("What the colours show")
+        super().__init__(title, parent)
+        self.title.setToolTip(f"Double-click to enlarge ({shortcut})")
+        self._colours = named(QComboBox(), f"Colours of the view {title}", "What the colours show")
         self._colours.activated.connect(lambda: self.colour_chosen.emit(self._colours.currentData()))
-        self._enlarge = QToolButton()
-        self._enlarge.setAutoRaise(True)
-        self._enlarge.setAccessibleName(f"Enlarge {title}")
-        self._enlarge.setToolTip(f"Enlarge or put back ({shortcut})")
-        self._enlarge.clicked.connect(self.enlarge_asked)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(8, 0, 4, 0)
-        layout.setSpacing(8)
-        layout.addWidget(self._title)
-        layout.addWidget(self._detail, 1)
-        layout.addWidget(self._colours)
-        layout.addWidget(self._enlarge)
-        self._enlarge.setIcon(icon("full screen"))
-
-    def set_detail(self, text: str) -> None:
-        """Say what is drawn; the tip says it where there is no room."""
-        self._detail.setText(text)
-        self._detail.setToolTip(text)
+        self._colours.hide()
+        enlarge = tool_button("full screen", f"Enlarge {title}", f"Enlarge or put back ({shortcut})")
+        enlarge.clicked.connect(self.enlarge_asked)
+        self.add(self._colours, enlarge)
+        self.setMinimumWidth(LEAST_WIDTH)
 
     def set_colours(self, modes: Sequence[tuple[str, str]], chosen: str) -> None:
         """Offer the modes there are, as pairs of key and name."""
@@ -56,7 +38,17 @@ class ViewHeader(QWidget):
         for key, name in modes:
             self._colours.addItem(name, key)
         self._colours.setCurrentIndex(max(0, self._colours.findData(chosen)))
-        self._colours.setVisible(len(modes) > 1)
+        snug(self._colours)
+        self._offer()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Offer the colours only where there is room beside the name; there is in an enlarged view."""
+        super().resizeEvent(event)
+        self._offer()
+
+    def _offer(self) -> None:
+        needed = self.title.sizeHint().width() + self._colours.width() + BESIDE
+        self._colours.setVisible(self._colours.count() > 1 and self.width() >= needed)
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """Enlarge the view, or put it back."""

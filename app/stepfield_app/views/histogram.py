@@ -1,4 +1,4 @@
-"""The elevations of the scan, laid beside a vertical axis, with the average of each layer."""
+"""The elevations of the scan by layer, laid beside a vertical axis, with the average of each layer."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import pyqtgraph as pg
+from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 from PySide6.QtWidgets import QWidget
 
-from stepfield_app.theme import Theme, rgb
+from stepfield_app.theme import rgb
 from stepfield_app.views.extent import Extent
 from stepfield_app.views.overlay import Overlay
 from stepfield_app.views.pictures import Histogram
@@ -23,6 +24,10 @@ EMPTY = "Open a scan to see how its points are spread over the elevations."
 FREE = 0.06
 #: Height of a label, logical pixels.
 LABEL = 15
+#: Bars longer than so many times one that this share of the bars is shorter than run out of the plot.
+USUAL, TIMES_USUAL = 0.95, 3
+#: Opacity of the bars: the line at a layer's average shows on the bars of that layer.
+BARS = 120
 
 
 class HistogramView(Plot):
@@ -31,9 +36,9 @@ class HistogramView(Plot):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("points", "elevation", equal_scales=False, parent=parent)
         self.setAccessibleName("Histogram of the elevations, with the average of each layer")
-        self.setToolTip("How many points lie at each elevation; lines mark the average of each layer")
+        self.setToolTip("How many points each layer has at each elevation; lines mark its average")
         self._histogram: Histogram | None = None
-        self._bars = pg.BarGraphItem(x0=[0], y0=[0], width=[0], height=[0])
+        self._bars = pg.BarGraphItem(x0=[0], y0=[0], width=[0], height=[0], pen=pg.mkPen(None))
         self._readout = ""
         self.addItem(self._bars, ignoreBounds=True)
         self.hideAxis("bottom")
@@ -42,7 +47,6 @@ class HistogramView(Plot):
         self.set_empty_text(EMPTY)
         self.hovered.connect(self._read)
         self.hover_ended.connect(self._forget_cursor)
-        self.set_theme(self.theme)
 
     def sizeHint(self) -> QSize:  # noqa: N802
         """Return a size that fits a panel."""
@@ -55,9 +59,8 @@ class HistogramView(Plot):
         if histogram is None:
             self.forget()
             return
-        edges, counts = histogram.edges, histogram.counts
-        self._bars.setOpts(x0=np.zeros(len(counts)), width=counts, y0=edges[:-1], height=np.diff(edges))
-        longest = float(counts.max(initial=1))
+        self._stack(histogram)
+        edges, longest = histogram.edges, _longest(histogram.counts.sum(axis=0))
         extent = Extent(0.0, float(edges[0]), longest * (1 + FREE), float(edges[-1]))
         self.set_extent(extent, keep_zoom=self.is_touched and extent.is_level_with(self.extent))
 
@@ -67,11 +70,18 @@ class HistogramView(Plot):
         if self.extent is not None:
             self.pane.setXRange(0.0, self.extent.right, padding=0)
 
-    def set_theme(self, theme: Theme) -> None:
-        """Take the colours of a theme."""
-        super().set_theme(theme)
-        if hasattr(self, "_bars"):  # the base class dresses itself before there are bars
-            self._bars.setOpts(brush=QColor(*rgb(theme.muted), 150), pen=pg.mkPen(None))
+    def _stack(self, histogram: Histogram) -> None:
+        """Put the bars of the layers one after the other."""
+        edges, counts = histogram.edges, histogram.counts
+        rows, bins = counts.shape
+        brushes = [QColor(*rgb(colour), BARS) for colour in histogram.colours for _ in range(bins)]
+        self._bars.setOpts(
+            x0=(np.cumsum(counts, axis=0) - counts).ravel(),
+            width=counts.ravel(),
+            y0=np.tile(edges[:-1], rows),
+            height=np.tile(np.diff(edges), rows),
+            brushes=brushes,
+        )
 
     def _read(self, count: float, elevation: float) -> None:
         histogram = self._histogram
@@ -79,11 +89,11 @@ class HistogramView(Plot):
             return
         place = int(np.searchsorted(histogram.edges, elevation, side="right")) - 1
         self._readout = ""
-        if 0 <= place < len(histogram.counts):
+        if 0 <= place < histogram.counts.shape[1]:
             low, high = histogram.edges[place : place + 2]
             digits = digits_for(round_step(max(float(high - low), 1e-4)))
             span = f"{metres(low, digits)} to {metres(high, digits)}"
-            self._readout = f"{span}: {counted(int(histogram.counts[place]), 'point')}"
+            self._readout = f"{span}: {counted(int(histogram.counts[:, place].sum()), 'point')}"
         self.viewport().update()
 
     def _forget_cursor(self) -> None:
@@ -131,6 +141,12 @@ class HistogramView(Plot):
         painter.drawText(
             room.adjusted(0, 0, -3, 0), Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, text
         )
+
+
+def _longest(totals: NDArray[np.int64]) -> float:
+    """Length that the width of the plot stands for: a floor of one height would leave the rest no length."""
+    usual = float(np.quantile(totals[totals > 0], USUAL)) if totals.any() else 1.0
+    return min(float(totals.max(initial=1)), TIMES_USUAL * usual)
 
 
 def apart(places: Sequence[float], area: QRectF) -> list[float]:

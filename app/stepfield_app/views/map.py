@@ -5,13 +5,13 @@ from __future__ import annotations
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QComboBox, QVBoxLayout, QWidget
 
-from stepfield_app.controls import named
+from stepfield_app.controls import named, snug
 from stepfield_app.scenes.legend import Legend
 from stepfield_app.theme import Theme
 from stepfield_app.views.line import ProfileLine
 from stepfield_app.views.map_plot import MapPlot
 from stepfield_app.views.pictures import MODES, MapPicture
-from stepfield_app.views.strip import Strip, WidthBox, tool_button
+from stepfield_app.views.strip import Strip, tool_button
 
 EMPTY = "Open a scan to see the height-map of the active layer here."
 #: A new line's band is this many compartments wide.
@@ -42,27 +42,25 @@ class MapView(QWidget):
         self.plot = MapPlot(self)
         self.plot.setAccessibleName("Map of the active layer")
         self.plot.set_empty_text(EMPTY)
-        self._strip = Strip("Map")
-        self._width = WidthBox()
+        self.strip = Strip("Map")
         self._modes = _mode_box()
         self._line_button = tool_button(
             "profile", "Profile line", "Profile line: draw a line to cut along (P)", checkable=True
         )
         self._fit_button = tool_button("fit", "Show the whole map", "Show the whole map (F)")
-        self._strip.add(self._width, self._modes, self._line_button, self._fit_button)
+        self.strip.add(self._modes, self._line_button, self._fit_button)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
-        layout.addWidget(self._strip)
+        layout.addWidget(self.strip)
         layout.addWidget(self.plot, 1)
         self._connect()
-        self.set_drawing(False)
+        self.clear()
 
     def _connect(self) -> None:
         self._modes.activated.connect(self.ask)
         self._line_button.toggled.connect(self.set_drawing)
         self._fit_button.clicked.connect(self.plot.fit)
-        self._width.valueChanged.connect(self.set_line_width)
         self.plot.line_changed.connect(self._tell_line)
         self.plot.escaped.connect(lambda: self.set_drawing(False))
         self.plot.hovered.connect(self.cursor_moved)
@@ -101,7 +99,7 @@ class MapView(QWidget):
             self.clear()
             return
         self._layer = picture.layer
-        self._strip.set_title(picture.name, picture.colour)
+        self.strip.set_subject(picture.name, picture.colour)
         self.plot.set_empty_text("")
         self.plot.set_legend(picture.legend or Legend(""))
         self._take_cell_size(picture.cell_size)
@@ -114,7 +112,7 @@ class MapView(QWidget):
         self.set_drawing(False)
         self.plot.forget()
         self.plot.set_empty_text(EMPTY)
-        self._strip.set_title("Map")
+        self.strip.set_subject("", "")
         self._enable(False)
 
     def set_pending(self, is_pending: bool) -> None:
@@ -130,11 +128,10 @@ class MapView(QWidget):
             control.setEnabled(is_on)
 
     def _take_cell_size(self, cell_size: float) -> None:
-        self._width.set_cell_size(cell_size)
         if self._is_new:
             self._is_new = False
             if self.line is None:
-                self._width.setValue(BAND_CELLS * cell_size)
+                self.plot.set_line_width(BAND_CELLS * cell_size)
 
     # --- The profile line -----------------------------------------------------------------------------------
 
@@ -146,7 +143,7 @@ class MapView(QWidget):
     def set_line(self, line: ProfileLine | None) -> None:
         """Put a line on the map, or take it away."""
         if line is not None:
-            self._width.setValue(line.width)
+            self.plot.line_width = line.width
         self.plot.set_line(line)
 
     def set_mark(self, place: tuple[float, float] | None) -> None:
@@ -157,14 +154,12 @@ class MapView(QWidget):
         """Enter or leave the tool that draws a profile line."""
         self.plot.is_drawing = is_drawing
         self._line_button.setChecked(is_drawing)
-        self._width.setVisible(is_drawing)
         self.plot.viewport().update()
         if is_drawing:
             self.plot.setFocus()
 
     def set_line_width(self, width: float) -> None:
         """Make the band of the line wider or narrower, metres."""
-        self._width.setValue(width)
         self.plot.set_line_width(width)
 
     def _tell_line(self, line: ProfileLine | None) -> None:
@@ -179,4 +174,4 @@ def _mode_box() -> QComboBox:
     for mode, name in MODES.items():
         box.addItem(name, mode)
     box.setCurrentIndex(box.findData(FIRST_MODE))
-    return box
+    return snug(box)

@@ -17,7 +17,8 @@ from stepfield_app.wording import digits_for, number, round_step
 
 #: Distance of everything from the edges, pixels.
 MARGIN = 12
-RAMP_WIDTH, RAMP_HEIGHT, TICKS = 10, 120, 5
+#: Size of a ramp, the most of a view's height that it takes, and its ticks.
+RAMP_WIDTH, RAMP_HEIGHT, RAMP_SHARE, TICKS = 10, 120, 0.3, 5
 SWATCH, LINE_HEIGHT = 10, 16
 AXIS_LENGTH = 26
 #: Room above the scale bar for its label.
@@ -51,18 +52,21 @@ class Overlay:
     def _ramp(self, legend: Legend) -> None:
         ticks, digits = _ticks(legend.low, legend.high)
         labels = [number(tick, digits) for tick in ticks]
-        wide = max(self._metrics.horizontalAdvance(label) for label in labels)
+        title = f"{legend.title} ({legend.unit})" if legend.unit else legend.title
+        below = max(self._metrics.horizontalAdvance(label) for label in labels)
+        wide = max(below + 6, self._metrics.horizontalAdvance(title) - RAMP_WIDTH)
         left = self.area.right() - MARGIN - RAMP_WIDTH
         top = self.area.top() + MARGIN + LINE_HEIGHT
-        title = f"{legend.title} ({legend.unit})" if legend.unit else legend.title
-        self._plate(QRectF(left - wide - 14, top - LINE_HEIGHT - 6, wide + RAMP_WIDTH + 22, RAMP_HEIGHT + 32))
+        high = min(RAMP_HEIGHT, RAMP_SHARE * self.area.height())
+        self._plate(QRectF(left - wide - 8, top - LINE_HEIGHT - 6, wide + RAMP_WIDTH + 16, high + 32))
         self._text(QRectF(0, top - LINE_HEIGHT - 4, left + RAMP_WIDTH, LINE_HEIGHT), title, self.theme.muted)
         assert legend.ramp is not None
         colours = np.ascontiguousarray(legend.ramp[::-1, np.newaxis])
         image = QImage(colours.data, 1, len(colours), 3, QImage.Format.Format_RGB888)
-        self.painter.drawImage(QRectF(left, top + 4, RAMP_WIDTH, RAMP_HEIGHT), image)
+        self.painter.drawImage(QRectF(left, top + 4, RAMP_WIDTH, high), image)
+        span = legend.high - legend.low
         for tick, label in zip(ticks, labels, strict=True):
-            place = (legend.high - tick) / (legend.high - legend.low) * RAMP_HEIGHT
+            place = ((legend.high - tick) / span if span > 0 else 0.5) * high
             self._text(QRectF(0, top + 4 + place - LINE_HEIGHT / 2, left - 6, LINE_HEIGHT), label)
 
     def _entries(self, legend: Legend) -> None:
@@ -157,7 +161,12 @@ def small_font(font: QFont) -> QFont:
 
 
 def _ticks(low: float, high: float) -> tuple[NDArray[np.float64], int]:
-    """Round numbers from low to high, and the digits after the point that tell them apart."""
-    step = round_step(max(high - low, 1e-9) / TICKS)
+    """Round numbers from low to high, and the digits after the point that tell them apart.
+
+    A range of one number only has that for its tick, in centimetres.
+    """
+    if not high > low:
+        return np.array([low]), 2
+    step = round_step((high - low) / TICKS)
     first, last = np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9)
     return np.arange(first, last + 1) * step, digits_for(step)

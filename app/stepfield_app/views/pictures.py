@@ -11,7 +11,7 @@ from stepfield_app.scenes.legend import Legend
 
 Place = tuple[float, float]
 #: Ways to draw a map, and what the window calls them.
-MODES = {"gray": "Gray, as exported", "colour": "Colour by elevation", "hillshade": "Hillshade"}
+MODES = {"gray": "As exported", "colour": "Elevation", "hillshade": "Hillshade"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,11 +92,15 @@ class Histogram:
     ----------
     edges : ndarray of shape (B + 1,), float64
         Elevations, scan coordinates, metres.
-    counts : ndarray of shape (B,), int64
+    counts : ndarray of shape (rows, B), int64
+        Points of each layer, the lowest layer first, and of Unassigned last.
+    colours : tuple of str
+        One a row of ``counts``.
     levels : tuple of (str, str, float)
         Name, colour and average elevation of each layer, the lowest first; NaN for an empty one.
     """
 
     edges: NDArray[np.float64]
     counts: NDArray[np.int64]
+    colours: tuple[str, ...]
     levels: tuple[tuple[str, str, float], ...] = ()

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QResizeEvent
 from PySide6.QtWidgets import QFrame, QWidget
 
 from stepfield_app.scenes.legend import Legend
@@ -22,7 +22,10 @@ MARGIN = 0.03
 #: How far one can zoom: as a share of the extent at the nearest, as a multiple of it at the farthest.
 NEAREST, FARTHEST = 1e-4, 20.0
 #: Milliseconds that pass before a newer result that is under way is mentioned: most arrive sooner.
-PATIENCE = 150
+PATIENCE = 250
+#: Width of a legend beside a plot, how much nearer to the edge it may come, and the least width of a plot
+#: that has one.
+LEGEND_ROOM, MARGIN_BESIDE, LEAST_FOR_LEGEND = 84, 8, 360
 #: Share of what is visible that one press of a key moves, and the zoom of one press.
 KEY_STEP, KEY_ZOOM = 0.1, 1.25
 
@@ -99,11 +102,12 @@ class Plot(pg.PlotWidget):  # type: ignore[misc]
         self._patience.timeout.connect(self._mention)
         self.pane.fit_asked.connect(self.fit)
         self.pane.touched.connect(self._touch)
+        self.pane.sigResized.connect(self._refit)
         self.hideButtons()
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMinimumSize(120, 100)
-        self.getPlotItem().layout.setContentsMargins(4, 8, 12, 4)
+        self._leave_room(0)
         self.set_theme(DARK)
 
     # --- What it shows --------------------------------------------------------------------------------------
@@ -125,7 +129,28 @@ class Plot(pg.PlotWidget):  # type: ignore[misc]
     def set_legend(self, legend: Legend) -> None:
         """Say what the colours mean."""
         self._legend = legend
+        self._leave_room(self._legend_room)
         self.viewport().update()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Leave the room beside the plot to the legend, if there is enough for both."""
+        super().resizeEvent(event)
+        if self.getPlotItem() is not None:  # the base class resizes itself before there is a plot
+            self._leave_room(self._legend_room)
+
+    def _refit(self) -> None:
+        """Show everything at every size, until the operator zooms or pans."""
+        if not self._is_touched:
+            self.fit()
+        self.viewport().update()  # what is painted over the plot has moved
+
+    @property
+    def _legend_room(self) -> int:
+        """Pixels at the right that the legend has for itself: over the plot it would hide data."""
+        return LEGEND_ROOM if self._legend.title and self.width() >= LEAST_FOR_LEGEND else 0
+
+    def _leave_room(self, room: int) -> None:
+        self.getPlotItem().layout.setContentsMargins(4, 8, 12 + room, 4)
 
     def set_pending(self, is_pending: bool) -> None:
         """Mark the plot as of older parameters, unless the newer one arrives in a moment."""
@@ -161,8 +186,9 @@ class Plot(pg.PlotWidget):  # type: ignore[misc]
     def paint_over(self, painter: QPainter, area: QRectF) -> None:
         """Paint over the plot; ``area`` is its inside, in pixels of the widget."""
         overlay = Overlay(painter, area, self.theme)
-        if self._legend.title:
-            overlay.legend(self._legend)
+        if self._legend_room:
+            beside = area.adjusted(0, 0, self._legend_room + MARGIN_BESIDE, 0)
+            Overlay(painter, beside, self.theme).legend(self._legend)
         if self._is_late:
             overlay.note("updating…", self.theme.muted)
 
@@ -172,9 +198,14 @@ class Plot(pg.PlotWidget):  # type: ignore[misc]
         """Know what there is to see, and show all of it unless the zoom is to be kept."""
         is_first = self._extent is None
         self._extent = extent
-        far = max(extent.width, extent.height) * FARTHEST
-        near = max(extent.width, extent.height) * NEAREST
-        self.pane.setLimits(maxXRange=far, maxYRange=far, minXRange=near, minYRange=near)
+        sides = extent.width, extent.height
+        across, up = (max(sides), max(sides)) if self._equal_scales else sides
+        self.pane.setLimits(
+            maxXRange=across * FARTHEST,
+            maxYRange=up * FARTHEST,
+            minXRange=across * NEAREST,
+            minYRange=up * NEAREST,
+        )
         for axis in self.axes.values():
             axis.make_room(extent.bottom, extent.top)
         if is_first or not keep_zoom:

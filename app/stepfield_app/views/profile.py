@@ -6,9 +6,8 @@ import math
 
 from PySide6.QtCore import QRectF, QSignalBlocker, Signal
 from PySide6.QtGui import QIcon, QPainter
-from PySide6.QtWidgets import QCheckBox, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QToolButton, QVBoxLayout, QWidget
 
-from stepfield_app.controls import named
 from stepfield_app.scenes.units import format_length
 from stepfield_app.theme import Theme
 from stepfield_app.views.dots import Blocks, Dots
@@ -42,9 +41,9 @@ class ProfileView(QWidget):
         self.plot = ProfilePlot(self)
         self.plot.setAccessibleName("Profile along the line on the map")
         self.plot.set_empty_text(EMPTY)
-        self._strip = Strip("Profile")
-        self._points = _check("Points", "Show the points of the scan in the band")
-        self._pillars = _check("Pillars", "Show the pillars in the band, with a line at their height")
+        self.strip = Strip("Profile")
+        self._points = _toggle("cloud", "Points", "Show the points of the scan in the band")
+        self._pillars = _toggle("pillars", "Pillars", "Show the pillars, with a line at their height")
         self._width = WidthBox()
         self._equal = tool_button(
             "parallel",
@@ -55,11 +54,11 @@ class ProfileView(QWidget):
         self._equal.setIcon(QIcon())
         self._equal.setText("1:1")
         self._fit = tool_button("fit", "Show the whole profile", "Show the whole profile (F)")
-        self._strip.add(self._points, self._pillars, self._width, self._equal, self._fit)
+        self.strip.add(self._points, self._pillars, self._width, self._equal, self._fit)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
-        layout.addWidget(self._strip)
+        layout.addWidget(self.strip)
         layout.addWidget(self.plot, 1)
         self._connect()
         self.set_section(None)
@@ -113,13 +112,13 @@ class ProfileView(QWidget):
 
     def _describe(self) -> None:
         if self._section is None:
-            self._strip.set_detail("")
+            self.strip.set_detail()
             return
         exaggeration = self.plot.exaggeration
         parts = [format_length(length_of(self._section)), counted(self._section.total, "point")]
         if not math.isclose(exaggeration, 1, rel_tol=0.02):
-            parts.append(f"z ×{number(exaggeration, 1)}")
-        self._strip.set_detail(" · ".join(parts))
+            parts.append(f"heights ×{number(exaggeration, 1)}")
+        self.strip.set_detail(*(" · ".join(parts[:count]) for count in range(len(parts), 0, -1)))
 
     def _tell_cursor(self, distance: float, elevation: float) -> None:
         section = self._section
@@ -194,7 +193,7 @@ def _extent(section: Section) -> Extent:
     return Extent(0.0, low - missing, length, high + missing)
 
 
-def _check(name: str, tip: str) -> QCheckBox:
-    box = named(QCheckBox(name), f"{name} in the profile", tip)
-    box.setChecked(True)
-    return box
+def _toggle(meaning: str, name: str, tip: str) -> QToolButton:
+    button = tool_button(meaning, f"{name} in the profile", tip, checkable=True)
+    button.setChecked(True)
+    return button

@@ -24,7 +24,7 @@ class Status(QStatusBar):
         self._cell = _Figure("cell 8888, 8888: 88 surfaces", "Compartment: column, row, surfaces in it")
         self._result = _Figure("8 888 888 pillars, 88 layers", "What the result holds")
         self._points = _Figure("8.88 M points", "Points of the scan")
-        self._time = _Figure("888 ms", "Time the last result took")
+        self._time = _Figure("made in 888 ms", "Time the last result took")
         self._work = _Work(self)
         self._work.cancel.clicked.connect(self.cancel_wanted)
         for figure in (self._position, self._cell, self._result, self._points, self._time):
@@ -50,7 +50,7 @@ class Status(QStatusBar):
         self._result.setText(f"{counted(pillars, 'pillar')}, {counted(layers, 'layer')}")
         self._points.setText(f"{short(points)} points")
         self._points.setToolTip(f"Points of the scan: {grouped(points)}")
-        self._time.setText(duration(seconds))
+        self._time.setText(f"made in {duration(seconds)}")
 
     def clear_result(self) -> None:
         """Say nothing of a result: there is none."""
@@ -81,8 +81,9 @@ class _Figure(QLabel):
         return QSize(self.fontMetrics().horizontalAdvance(self._widest) + _GAP, super().sizeHint().height())
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
-        """Give way where the window is narrow."""
-        return QSize(0, super().minimumSizeHint().height())
+        """Give way where the window is narrow, but never cut a number."""
+        least = super().minimumSizeHint()
+        return QSize(min(least.width(), self.sizeHint().width()), least.height())
 
 
 class _Work(QWidget):
@@ -91,6 +92,7 @@ class _Work(QWidget):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self._what = _Figure("reading a_scan.laz, 88 %", "What is being done")
+        self._what.setMinimumWidth(1)
         self._what.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self._bar = QProgressBar()
         self._bar.setRange(0, 1000)

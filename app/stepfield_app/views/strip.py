@@ -1,9 +1,9 @@
-"""The strip above a plot: what it shows, and its controls."""
+"""The strip above a view or a panel: its name, what it shows, and its controls."""
 
 from __future__ import annotations
 
 from PySide6.QtCore import QSize, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QWidget
 
 from stepfield_app.appearance import ICON_SIZE, icon
@@ -11,47 +11,75 @@ from stepfield_app.controls import named
 from stepfield_app.wording import digits_for, round_step
 
 HEIGHT = 32
-SWATCH = 12
+SPACING, SWATCH = 6, 12
 
 
 class Strip(QWidget):
-    """Title with the colour of a layer on the left, controls on the right."""
+    """Name, subject with the colour of a layer, a remark, and controls at the right end."""
 
     def __init__(self, title: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setFixedHeight(HEIGHT)
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.setProperty("role", "strip")
+        self.title = QLabel(title, textFormat=Qt.TextFormat.PlainText)
+        self.title.setProperty("role", "name")
         self._swatch = Swatch()
-        self._title = QLabel(title, textFormat=Qt.TextFormat.PlainText)
-        self._title.setStyleSheet("font-weight: 600")
-        self._detail = QLabel()
-        self._detail.setProperty("muted", True)
-        self._detail.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self._detail = Detail()
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(8, 0, 4, 0)
-        self._row.setSpacing(8)
+        self._row.setSpacing(SPACING)
+        self._row.addWidget(self.title)
         self._row.addWidget(self._swatch)
-        self._row.addWidget(self._title)
         self._row.addWidget(self._detail, 1)
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        """As high as every strip: a dock asks for this and for nothing else."""
+        return QSize(super().sizeHint().width(), HEIGHT)
 
     def add(self, *controls: QWidget) -> None:
         """Put controls at the right end."""
         for control in controls:
             self._row.addWidget(control)
 
-    def set_title(self, title: str, colour: str = "") -> None:
+    def set_subject(self, text: str, colour: str) -> None:
         """Say what is shown, and in which colour it is elsewhere."""
-        self._title.setText(title)
+        self._detail.say(text)
         self._swatch.set_colour(colour)
 
-    def set_detail(self, text: str) -> None:
-        """Say more about it; what does not fit is cut."""
-        self._detail.setText(text)
-        self._detail.setToolTip(text)
+    def set_detail(self, *wordings: str) -> None:
+        """Remark on what is shown: the longest of these that fits, see :class:`Detail`."""
+        self._detail.say(*wordings)
 
     @property
-    def title(self) -> str:
-        """What it says is shown."""
-        return self._title.text()
+    def detail(self) -> str:
+        """All that it says of what is shown, also where there is no room for it."""
+        return self._detail.toolTip()
+
+
+class Detail(QLabel):
+    """A muted remark in the longest of its wordings that fits, or not at all; never cut."""
+
+    def __init__(self) -> None:
+        super().__init__(textFormat=Qt.TextFormat.PlainText)
+        self._wordings: tuple[str, ...] = ()
+        self.setProperty("role", "muted")
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+
+    def say(self, *wordings: str) -> None:
+        """Take other wordings, the longest first; the tip always says the longest."""
+        self._wordings = wordings
+        self.setToolTip(wordings[0] if wordings else "")
+        self._fit()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Choose anew."""
+        super().resizeEvent(event)
+        self._fit()
+
+    def _fit(self) -> None:
+        advance, room = self.fontMetrics().horizontalAdvance, self.width()
+        self.setText(next((text for text in self._wordings if advance(text) <= room), ""))
 
 
 class Swatch(QWidget):
@@ -98,7 +126,7 @@ class WidthBox(QDoubleSpinBox):
         named(self, "Width of the profile band in metres", tip)
         self.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.setKeyboardTracking(False)
-        self.setFixedWidth(88)
+        self.setFixedWidth(80)
 
     def set_cell_size(self, cell_size: float) -> None:
         """Step by compartments, with digits enough to tell a tenth of one."""

@@ -37,6 +37,8 @@ class Trio(QWidget):
         self._client = client
         self.viewpoint = Viewpoint(self)
         self._bounds: Bounds = np.zeros(3), np.ones(3)
+        self._reached: Bounds | None = None
+        self._fitted: Camera | None = None
         self.canvases = {name: Canvas(name, client, self.viewpoint) for name in VIEWS}
         self.headers = {
             name: ViewHeader(TITLES[name], f"Ctrl+{place}") for place, name in enumerate(VIEWS, 1)
@@ -48,6 +50,9 @@ class Trio(QWidget):
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self._splitter)
+        for canvas in self.canvases.values():
+            canvas.resized.connect(self._follow_size)
+        self.setFocusProxy(self.canvases[CLOUD])
         client.frame_arrived.connect(self._describe)
         client.show(VIEWS)
 
@@ -88,6 +93,11 @@ class Trio(QWidget):
         """Say what there is to see, in local coordinates."""
         self._bounds = low, high
 
+    def reach_for(self, bounds: Bounds | None) -> None:
+        """Frame a box as well, in local coordinates: of a tool that has its handles there; None ends that."""
+        self._reached = bounds
+        self._fit_again()
+
     def fit(self) -> None:
         """Frame everything, from the present direction."""
         camera = self.viewpoint.camera
@@ -103,7 +113,20 @@ class Trio(QWidget):
 
     def _look(self, azimuth: float, elevation: float, is_parallel: bool) -> None:
         size = self.canvases[self.shown[0]].pixels
-        self.viewpoint.look(Camera.fitting(*self._bounds, size, azimuth, elevation, is_parallel))
+        low, high = self._bounds
+        if self._reached is not None:
+            low, high = np.minimum(low, self._reached[0]), np.maximum(high, self._reached[1])
+        self._fitted = Camera.fitting(low, high, size, azimuth, elevation, is_parallel)
+        self.viewpoint.look(self._fitted)
+
+    def _follow_size(self, name: str) -> None:
+        """Fit again to another size of the views, until the operator has moved the camera."""
+        if name == self.shown[0]:
+            self._fit_again()
+
+    def _fit_again(self) -> None:
+        if self.viewpoint.camera is self._fitted:
+            self.fit()
 
     # --- What they show -------------------------------------------------------------------------------------
 
@@ -121,19 +144,16 @@ class Trio(QWidget):
         """Say this in place of every picture; an empty text shows the pictures."""
         for name in VIEWS:
             self.canvases[name].set_empty_text(text)
-            self.headers[name].set_detail("")
+            self.headers[name].set_detail()
 
     def _describe(self, name: str) -> None:
         frame = self._client.frame(name)
         if frame is not None:
-            self.headers[name].set_detail(_drawn(frame))
+            drawn = _drawn(frame)
+            self.headers[name].set_detail(", ".join(drawn), *drawn)
 
 
-def _drawn(frame: Frame) -> str:
-    """Say how much of the scene is drawn."""
-    parts = []
-    if frame.points:
-        parts.append(f"{short(frame.points)} points")
-    if frame.triangles:
-        parts.append(f"{short(frame.triangles)} triangles")
-    return ", ".join(parts)
+def _drawn(frame: Frame) -> list[str]:
+    """Say how much of the scene is drawn, each kind for itself."""
+    kinds = ((frame.points, "points"), (frame.triangles, "triangles"))
+    return [f"{short(count)} {kind} drawn" for count, kind in kinds if count]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QColor,
     QImage,
@@ -26,6 +26,9 @@ from stepfield_app.views.overlay import Overlay, small_font
 from stepfield_app.views.viewpoint import Viewpoint
 
 Place = tuple[float, float, float]
+
+#: Milliseconds that pass before a newer result that is under way is mentioned: most arrive sooner.
+PATIENCE = 250
 
 #: What a view says while it has no picture, by the state of the Open3D process.
 SENTENCES = {
@@ -59,6 +62,8 @@ class Canvas(QWidget):
 
     #: Local coordinates under the cursor, or None.
     hovered = Signal(object)
+    #: Name of the view.
+    resized = Signal(str)
 
     def __init__(
         self, name: str, client: RenderClient, viewpoint: Viewpoint, parent: QWidget | None = None
@@ -69,10 +74,14 @@ class Canvas(QWidget):
         self._client, self._viewpoint = client, viewpoint
         self._theme, self._trouble = DARK, ""
         self._legend: Legend | None = None
-        self._empty_text, self._is_pending = "", False
+        self._empty_text, self._is_late = "", False
+        self._patience = QTimer(self, singleShot=True, interval=PATIENCE)
+        self._patience.timeout.connect(self._mention)
         self._drag: navigation.Drag | None = None
         self._tool_has_mouse = False
+        self._button = Qt.MouseButton.NoButton
         self._zoom: tuple[QPointF, Place] | None = None
+        self.setAccessibleName(f"3-D view: {name}")
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
@@ -100,8 +109,16 @@ class Canvas(QWidget):
         self.update()
 
     def set_pending(self, is_pending: bool) -> None:
-        """Mark the picture as of older parameters."""
-        self._is_pending = is_pending
+        """Mark the picture as of older parameters, unless the newer one arrives in a moment."""
+        if not is_pending:
+            self._patience.stop()
+            self._is_late = False
+            self.update()
+        elif not self._is_late and not self._patience.isActive():
+            self._patience.start()
+
+    def _mention(self) -> None:
+        self._is_late = True
         self.update()
 
     @property
@@ -154,17 +171,21 @@ class Canvas(QWidget):
         overlay.axes(self._viewpoint.camera)
         if self._trouble:
             overlay.note(self._trouble, self._theme.warning)
-        elif self._is_pending:
+        elif self._is_late:
             overlay.note("updating…", self._theme.muted)
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         """Ask for a picture of the new size."""
         self._viewpoint.stir()
+        self.resized.emit(self.name)
 
     # --- Mouse and keyboard ---------------------------------------------------------------------------------
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Give the press to the tool, else hold the scene."""
+        """Give the press to the tool, else hold the scene; one button at a time."""
+        if self._is_held:
+            return
+        self._button = event.button()
         is_left = event.button() == Qt.MouseButton.LeftButton
         if is_left and self.tool is not None and self.tool.press(self, event.position()):
             self._tool_has_mouse = True
@@ -184,10 +205,16 @@ class Canvas(QWidget):
             self._hover(event.position())
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Let go."""
+        """Let go, of what the button has taken hold."""
+        if event.button() != self._button:
+            return
         if self._tool_has_mouse and self.tool is not None:
             self.tool.release()
         self._tool_has_mouse, self._drag = False, None
+
+    @property
+    def _is_held(self) -> bool:
+        return self._tool_has_mouse or self._drag is not None
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """Turn around what was clicked from now on."""

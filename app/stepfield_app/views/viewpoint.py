@@ -20,7 +20,7 @@ class Viewpoint(QObject):
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.camera = Camera((0.5, 0.5, 0.5), *PRESETS["iso"], distance=2.0)
-        self.is_moving = False
+        self.is_moving = self._is_held = False
         self._quiet = QTimer(self, singleShot=True, interval=REST)
         self._quiet.timeout.connect(self._rest)
 
@@ -35,6 +35,14 @@ class Viewpoint(QObject):
         self._quiet.start()
         self.changed.emit()
 
+    def set_held(self, is_held: bool) -> None:
+        """Say whether a hand holds a control that changes what is seen: then nothing comes to rest."""
+        self._is_held = is_held
+        if self.is_moving:
+            self._quiet.start()
+
     def _rest(self) -> None:
+        if self._is_held:
+            return
         self.is_moving = False
         self.changed.emit()

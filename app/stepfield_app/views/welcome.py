@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtWidgets import QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from stepfield.scan import FORMATS
 from stepfield_app.appearance import ICON_SIZE, icon
@@ -33,7 +33,7 @@ class WelcomePage(QWidget):
         self._fill(QVBoxLayout(page))
         outer = QVBoxLayout(self)
         outer.addStretch(2)
-        outer.addWidget(page, 0, Qt.AlignmentFlag.AlignHCenter)
+        outer.addLayout(_centred(page))
         outer.addStretch(3)
         self.set_recent(recent)
 
@@ -66,7 +66,7 @@ class WelcomePage(QWidget):
         layout.addLayout(self._recent)
 
     def _open_button(self) -> QPushButton:
-        button = _tall(QPushButton("Open a scan or a project …"))
+        button = _tall(QPushButton("Open a scan or a project…"))
         button.setProperty("primary", True)
         button.setToolTip("Choose the files of one scan, or a project (Ctrl+O)")
         button.clicked.connect(self.open_wanted)
@@ -94,6 +94,15 @@ class WelcomePage(QWidget):
         button.setAccessibleName(f"Open {files[0].name}{more} again")
         button.clicked.connect(lambda: self.files_chosen.emit(files))
         return button
+
+
+def _centred(page: QWidget) -> QHBoxLayout:
+    """Put a page in the middle; an alignment would not ask it how high its wrapped lines are."""
+    row = QHBoxLayout()
+    row.addStretch(1)
+    row.addWidget(page)
+    row.addStretch(1)
+    return row
 
 
 def _is_project(files: Files) -> bool:

@@ -1,0 +1,173 @@
+"""Starting and leaving: without a screen, with a fault, by a signal; always in one sentence and cleanly."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+from tests.app.scenes_made import table
+
+from stepfield.errors import StepfieldError
+from stepfield_app import application
+from stepfield_app.render.store import MEMORY, PREFIX
+
+#: A window that reports, and does something unexpected when told; run in a process of its own.
+WINDOW = """
+import sys
+from pathlib import Path
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication
+from stepfield_app import application
+from stepfield_app.main_window import MainWindow
+
+made = []
+first = MainWindow.__init__
+
+def remember(self, *words, **named):
+    first(self, *words, **named)
+    made.append(self)
+    self.document.opened.connect(lambda: QTimer.singleShot(0, act))
+    self.client.state_changed.connect(lambda state: state == "running" and tell())
+
+def tell():
+    print("running", made[0].client.process_id, flush=True)
+
+def act():
+    {act}
+
+MainWindow.__init__ = remember
+code = application.run([Path(name) for name in sys.argv[1:]])
+print("code", code, flush=True)
+sys.exit(code)
+"""
+
+FAIL = """
+    def fail():
+        raise ZeroDivisionError("nobody thought of this")
+
+    def look():
+        (message,) = made[0].message_bar.messages
+        assert "nobody thought of this" in message.details, message
+        assert "ZeroDivisionError" not in message.sentence, message
+        made[0].document.set_parameters("Alpha", alpha=0.9)
+        made[0].document.answer_changed.connect(lambda answer: done(answer))
+
+    def done(answer):
+        print("alpha", answer.result.parameters.alpha, flush=True)
+        made[0].close()
+
+    QTimer.singleShot(0, fail)
+    QTimer.singleShot(0, look)
+"""
+
+
+OPEN_A_DIALOG = """
+    QTimer.singleShot(0, made[0].actions_["export"].trigger)
+    application_ = QApplication.instance()
+
+    def look():
+        if application_.activeModalWidget() is None:
+            QTimer.singleShot(10, look)
+        else:
+            print("open", flush=True)
+
+    look()
+"""
+
+
+def started(folder: Path, act: str = "pass", *words: str) -> subprocess.Popen[str]:
+    """Start a window with settings of its own, on no screen."""
+    own = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    own |= {"HOME": str(folder), "QT_QPA_PLATFORM": "offscreen", "QT_LOGGING_RULES": "*.debug=false"}
+    own |= {"XDG_CONFIG_HOME": str(folder / "config"), "XDG_CACHE_HOME": str(folder / "cache")}
+    return subprocess.Popen(
+        [sys.executable, "-c", WINDOW.replace("{act}", act), *words],
+        env=own,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def told(errors: str) -> str:
+    """What was written to the terminal, but for what Qt says of every window that is on no screen."""
+    return "\n".join(line for line in errors.splitlines() if "This plugin does not support" not in line)
+
+
+def shared_folders(process: int) -> list[Path]:
+    return list(MEMORY.glob(f"{PREFIX}{process}-*"))
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_closes_the_window_cleanly(tmp_path: Path, number: signal.Signals) -> None:
+    """If it failed, Ctrl+C would leave a drawing process and its memory behind."""
+    window = started(tmp_path)
+    assert window.stdout is not None
+    word, process = window.stdout.readline().split()
+    assert word == "running"
+    assert psutil.pid_exists(int(process))
+    assert shared_folders(window.pid)
+    window.send_signal(number)
+    said, errors = window.communicate(timeout=30)
+    assert (window.returncode, said) == (0, "code 0\n"), errors
+    assert not told(errors)
+    assert not psutil.pid_exists(int(process))
+    assert not shared_folders(window.pid)
+
+
+def test_a_signal_closes_the_window_under_an_open_dialog(tmp_path: Path) -> None:
+    scan = tmp_path / "table.npy"
+    np.save(scan, table())
+    window = started(tmp_path, OPEN_A_DIALOG.strip(), str(scan))
+    assert window.stdout is not None
+    while window.stdout.readline().strip() != "open":
+        assert window.poll() is None
+    window.send_signal(signal.SIGTERM)
+    _, errors = window.communicate(timeout=30)
+    assert window.returncode == 0, errors
+    assert not told(errors)
+    assert not shared_folders(window.pid)
+
+
+def test_a_fault_is_shown_and_everything_lives_on(tmp_path: Path) -> None:
+    """If it failed, a fault in one slot would be lost in a terminal nobody looks at, or end the window."""
+    scan = tmp_path / "table.npy"
+    np.save(scan, table())
+    window = started(tmp_path, FAIL.strip(), str(scan))
+    said, errors = window.communicate(timeout=60)
+    assert window.returncode == 0, errors
+    assert "alpha 0.9\n" in said
+    assert errors.count("ZeroDivisionError: nobody thought of this") == 1
+
+
+def test_nowhere_to_open_a_window_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(sys, "platform", "linux")
+    with pytest.raises(StepfieldError, match="there is no display") as caught:
+        application.run([])
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["DISPLAY", "WAYLAND_DISPLAY"])
+def test_a_screen_is_used_where_there_is_one(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    for each in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"):
+        monkeypatch.delenv(each, raising=False)
+    monkeypatch.setenv(name, ":7")
+    application._find_screen(needed=True)
+    application._find_screen(needed=False)
+    assert "QT_QPA_PLATFORM" not in os.environ
+
+
+def test_other_systems_always_have_a_screen(monkeypatch: pytest.MonkeyPatch) -> None:
+    for each in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"):
+        monkeypatch.delenv(each, raising=False)
+    monkeypatch.setattr(sys, "platform", "darwin")
+    application._find_screen(needed=True)
+    assert "QT_QPA_PLATFORM" not in os.environ
