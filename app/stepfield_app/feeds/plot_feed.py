@@ -27,6 +27,9 @@ from stepfield_app.views.map import MapView
 from stepfield_app.views.pictures import MapPicture, Section
 from stepfield_app.views.profile import ProfileView
 
+#: Seconds between two profiles: the map and the panel of a new result come first.
+PROFILE_PACE = 0.25
+
 
 class PlotFeed(QObject):
     """Asks for pictures of an answer as soon as it is there, and hands them on."""
@@ -47,7 +50,7 @@ class PlotFeed(QObject):
         self._map, self._profile, self._histogram, self._layers = map_view, profile, histogram, layers
         self._maps = self._worker(map_picture, "map", self._show_map)
         self._panels = self._worker(panel_pictures, "layers panel", self._show_panel)
-        self._sections = self._worker(Cutting(), "profile", self._show_section)
+        self._sections = self._worker(Cutting(), "profile", self._show_section, PROFILE_PACE)
         self._is_new = True
         document.answer_changed.connect(self._take)
         document.opened.connect(self._begin)
@@ -59,8 +62,8 @@ class PlotFeed(QObject):
         map_view.section_ended.connect(lambda: profile.set_section(None))
         profile.width_changed.connect(map_view.set_line_width)
 
-    def _worker(self, make: Any, name: str, show: Any) -> NewestWins[Any, Any]:
-        worker = NewestWins[Any, Any](make, name, self)
+    def _worker(self, make: Any, name: str, show: Any, pace: float = 0.0) -> NewestWins[Any, Any]:
+        worker = NewestWins[Any, Any](make, name, self, pace=pace)
         worker.answered.connect(lambda _, made: show(made))
         worker.failed.connect(lambda _, error: self.failed.emit(error))
         return worker

@@ -22,7 +22,7 @@ from stepfield_app.theme import DARK, Theme
 from stepfield_app.views.trio import Trio
 
 #: While a hand moves, rest this many times as long as the last scenes took: map and panels come first.
-RESTS = 2
+RESTS = 8
 
 
 @dataclass

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import pyqtgraph as pg
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
@@ -16,6 +15,7 @@ from stepfield_app.theme import rgb
 from stepfield_app.views.extent import Extent
 from stepfield_app.views.overlay import Overlay
 from stepfield_app.views.pictures import Histogram
+from stepfield_app.views.pixels import Boxes, packed
 from stepfield_app.views.plot import Plot
 from stepfield_app.wording import counted, digits_for, metres, round_step
 
@@ -38,7 +38,7 @@ class HistogramView(Plot):
         self.setAccessibleName("Histogram of the elevations, with the average of each layer")
         self.setToolTip("How many points each layer has at each elevation; lines mark its average")
         self._histogram: Histogram | None = None
-        self._bars = pg.BarGraphItem(x0=[0], y0=[0], width=[0], height=[0], pen=pg.mkPen(None))
+        self._bars = Boxes()
         self._readout = ""
         self.addItem(self._bars, ignoreBounds=True)
         self.hideAxis("bottom")
@@ -73,15 +73,11 @@ class HistogramView(Plot):
     def _stack(self, histogram: Histogram) -> None:
         """Put the bars of the layers one after the other."""
         edges, counts = histogram.edges, histogram.counts
-        rows, bins = counts.shape
-        brushes = [QColor(*rgb(colour), BARS) for colour in histogram.colours for _ in range(bins)]
-        self._bars.setOpts(
-            x0=(np.cumsum(counts, axis=0) - counts).ravel(),
-            width=counts.ravel(),
-            y0=np.tile(edges[:-1], rows),
-            height=np.tile(np.diff(edges), rows),
-            brushes=brushes,
-        )
+        ends = np.cumsum(counts, axis=0)
+        low, high = (np.broadcast_to(side, counts.shape) for side in (edges[:-1], edges[1:]))
+        bars = np.stack([ends - counts, ends, low, high], axis=-1)[counts > 0]
+        colours = packed(np.array([rgb(colour) for colour in histogram.colours], np.uint8), BARS)
+        self._bars.set_boxes(bars.astype(np.float64), colours[np.nonzero(counts)[0]])
 
     def _read(self, count: float, elevation: float) -> None:
         histogram = self._histogram
