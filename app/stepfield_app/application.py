@@ -18,6 +18,7 @@ import stepfield
 from stepfield.errors import StepfieldError
 from stepfield.parameters import Parameters
 from stepfield_app.appearance import Appearance, Choice
+from stepfield_app.garbage import GarbageCollector
 from stepfield_app.main_window import MainWindow
 from stepfield_app.screenshot import Screenshot
 from stepfield_app.settings import Settings
@@ -66,11 +67,12 @@ def run(
     sys.excepthook = _shown_by(window)
     picture = Screenshot(window, screenshot) if screenshot is not None else None
     window.show()
-    stop = _closed_by_signals(window)
+    stop, garbage = _closed_by_signals(window), GarbageCollector(window)
     if scans:
         QTimer.singleShot(0, lambda: window.open_scans(scans, parameters or Parameters()))
     code = application.exec()
     sys.excepthook = sys.__excepthook__
+    garbage.stop()
     stop()
     if picture is not None and picture.failure is not None:
         raise picture.failure
