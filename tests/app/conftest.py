@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +14,34 @@ os.environ["QT_QPA_PLATFORM"] = os.environ.get("STEPFIELD_TEST_PLATFORM", "offsc
 
 from PySide6.QtCore import QCoreApplication, QEvent, QSettings
 from PySide6.QtWidgets import QApplication
+
+
+@pytest.fixture(scope="package", autouse=True)
+def garbage_stays_on_this_thread() -> Iterator[None]:
+    """Collect what tests leave on this thread alone, as the program does: a worker's would crash Qt."""
+    gc.collect()
+    gc.freeze()  # what was loaded so far need not be looked at after every module
+    gc.disable()
+    yield
+    gc.collect()
+    gc.unfreeze()
+    gc.enable()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def garbage_of_a_module(garbage_stays_on_this_thread: None) -> Iterator[None]:
+    """Clear up behind every module."""
+    yield
+    gc.collect()
+
+
+@pytest.fixture(autouse=True)
+def garbage_of_a_test(garbage_of_a_module: None) -> Iterator[None]:
+    """Clear up behind every test; one of them may have let Python collect by itself again."""
+    gc.disable()
+    yield
+    gc.disable()
+    gc.collect(1)
 
 
 @pytest.fixture(autouse=True)

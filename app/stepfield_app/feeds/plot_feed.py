@@ -51,7 +51,6 @@ class PlotFeed(QObject):
         self._maps = self._worker(map_picture, "map", self._show_map)
         self._panels = self._worker(panel_pictures, "layers panel", self._show_panel)
         self._sections = self._worker(Cutting(), "profile", self._show_section, PROFILE_PACE)
-        self._is_new = True
         document.answer_changed.connect(self._take)
         document.opened.connect(self._begin)
         document.active_layer_changed.connect(map_view.set_layer)
@@ -88,7 +87,6 @@ class PlotFeed(QObject):
         if answer is None:
             for worker in self._workers:
                 worker.cancel()
-            self._is_new = True
             self._map.clear()
             self._profile.set_section(None)
             self._histogram.set_histogram(None)
