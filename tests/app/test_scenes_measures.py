@@ -7,7 +7,7 @@ import pytest
 
 from stepfield_app.render.camera import Camera
 from stepfield_app.scenes import crop
-from stepfield_app.scenes.ground import box_lines, ground, polyline
+from stepfield_app.scenes.ground import ground
 from stepfield_app.scenes.units import format_length, nice_step, scale_bar
 from stepfield_app.theme import DARK, LIGHT, Theme, rgb
 
@@ -63,21 +63,6 @@ def test_the_ground_lies_under_the_box_at_round_scan_coordinates(theme: Theme) -
     meridians = made.ends[made.ends[:, 0, 0] == made.ends[:, 1, 0]][:, 0, 0] + 432_100.3
     assert np.allclose(meridians / 0.5, np.rint(meridians / 0.5), atol=1e-4)
     assert (made.colours == rgb(theme.line)).all(axis=1).any()
-
-
-def test_a_box_has_twelve_edges_along_the_axes() -> None:
-    made = box_lines(BOX, DARK.accent)
-    runs = np.abs(made.ends[:, 1] - made.ends[:, 0])
-    assert np.count_nonzero(runs) == 12
-    assert runs.sum(axis=0).tolist() == [16, 8, 4]
-    assert (made.colours == rgb(DARK.accent)).all()
-
-
-def test_a_polyline_closes_where_asked() -> None:
-    places = [[0, 0, 0], [1, 0, 0], [1, 1, 0]]
-    assert len(polyline(places, DARK.accent).ends) == 2
-    assert len(polyline(places, DARK.accent, closed=True).ends) == 3
-    assert polyline([], DARK.accent).ends.shape == (0, 2, 3)
 
 
 def test_handles_sit_on_faces_and_corners() -> None:

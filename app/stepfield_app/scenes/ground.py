@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stepfield_app.render.scene import Lines
 from stepfield_app.scenes.arrays import frozen
-from stepfield_app.scenes.crop import EDGES
 from stepfield_app.scenes.units import nice_step
 from stepfield_app.theme import Theme, rgb
 
@@ -50,20 +48,6 @@ def ground(low: ArrayLike, high: ArrayLike, theme: Theme, origin: ArrayLike = (0
     return Lines(frozen(ends.astype(np.float32)), frozen(np.rint(colours).astype(np.uint8)))
 
 
-def box_lines(box: ArrayLike, colour: str) -> Lines:
-    """Draw the twelve edges of a box.
-
-    Parameters
-    ----------
-    box : array_like of shape (6,)
-        x0, y0, z0, x1, y1, z1 in local coordinates, metres.
-    colour : str
-        As #rrggbb.
-    """
-    corners = np.array(list(product(*np.asarray(box, np.float32).reshape(2, 3).T)), np.float32)
-    return Lines(frozen(corners[np.array(EDGES)]), frozen(np.tile(np.array(rgb(colour), np.uint8), (12, 1))))
-
-
 def crosses(places: ArrayLike, size: float, colour: str, most: int = MOST_CROSSES) -> Lines:
     """Mark places with crosses that show from every side.
 
@@ -82,14 +66,6 @@ def crosses(places: ArrayLike, size: float, colour: str, most: int = MOST_CROSSE
     points = points[:: max(1, -(-len(points) // most))]
     arms = np.float32(size) * np.stack([-np.eye(3), np.eye(3)], axis=1).astype(np.float32)  # (axis, end, xyz)
     ends = (points[:, np.newaxis, np.newaxis] + arms).reshape(-1, 2, 3)
-    return Lines(frozen(ends), frozen(np.tile(np.array(rgb(colour), np.uint8), (len(ends), 1))))
-
-
-def polyline(places: ArrayLike, colour: str, *, closed: bool = False) -> Lines:
-    """Draw lines from place to place; local coordinates, metres, shape (n, 3)."""
-    points = np.asarray(places, np.float32).reshape(-1, 3)
-    stops = [*points, *points[:1]] if closed else list(points)
-    ends = np.array(list(pairwise(stops)), np.float32).reshape(-1, 2, 3)
     return Lines(frozen(ends), frozen(np.tile(np.array(rgb(colour), np.uint8), (len(ends), 1))))
 
 
