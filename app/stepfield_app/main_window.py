@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from stepfield.errors import StepfieldError
 from stepfield.parameters import Parameters
 from stepfield_app import commands, docks
 from stepfield_app.appearance import Appearance
+from stepfield_app.commands import file
 from stepfield_app.document import Document
 from stepfield_app.feeds.demo_feed import DemoFeed
 from stepfield_app.feeds.plot_feed import PlotFeed
@@ -140,7 +142,7 @@ class MainWindow(QMainWindow):
         )
         self.cleaning.crop_tool_requested.connect(self.crop_tool.set_active)
         self.cleaning.crop_tool_requested.connect(self._show_cleaning)
-        self.welcome.open_wanted.connect(lambda: commands.open_dialog(self))
+        self.welcome.open_wanted.connect(lambda: file.open_dialog(self))
         self.welcome.demo_wanted.connect(self.demo_feed.start)
         self.welcome.files_chosen.connect(self.open_scans)
         self.demo_feed.progressed.connect(self.status.show_progress)
@@ -173,7 +175,7 @@ class MainWindow(QMainWindow):
             self.trouble = error
             self.message_bar.tell("error", str(error))
         else:
-            self.tell_unexpected(commands.traceback_of(error))
+            self.tell_unexpected("".join(traceback.format_exception(error)))
 
     def tell_unexpected(self, details: str) -> None:
         """Show a fault of the program's own, with what helps to mend it."""

@@ -39,8 +39,8 @@ from stepfield.errors import StepfieldError
 from stepfield.parameters import Parameters
 from stepfield.project import Project, ScanFile
 from stepfield.scan import read_scan
-from stepfield_app import commands
 from stepfield_app.appearance import Appearance
+from stepfield_app.commands import help as help_menu
 from stepfield_app.dialogs.export import ExportDialog
 from stepfield_app.dialogs.shortcuts import ShortcutSheet, shortcuts_of
 from stepfield_app.main_window import MainWindow
@@ -643,7 +643,7 @@ def test_the_sheet_lists_every_key(opened: MainWindow, qtbot: QtBot) -> None:
     QTimer.singleShot(0, look)
     QTest.keyClick(opened, Qt.Key.Key_F1)
     assert {"F1", "Esc", "F"} <= set(seen)
-    assert {name for entries in commands.GESTURES.values() for name, _ in entries} <= set(seen)
+    assert {name for entries in help_menu.GESTURES.values() for name, _ in entries} <= set(seen)
 
 
 # --- Leaving ------------------------------------------------------------------------------------------------

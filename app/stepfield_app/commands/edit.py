@@ -1,0 +1,37 @@
+"""The Edit menu: undo and redo by name."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from stepfield_app.actions import Actions, Keys
+
+if TYPE_CHECKING:
+    from stepfield_app.main_window import MainWindow
+
+
+def make(actions: Actions, window: MainWindow) -> None:
+    """Make the actions of the menu."""
+    stack = window.document.undo_stack
+    undo = actions.make("undo", "&Undo", stack.undo, keys=Keys.Undo, glyph="undo", needs_scan=False)
+    redo = actions.make(
+        "redo", "&Redo", stack.redo, keys=["Ctrl+Shift+Z", "Ctrl+Y"], glyph="redo", needs_scan=False
+    )
+    for action, can, text, verb in (
+        (undo, stack.canUndoChanged, stack.undoTextChanged, "&Undo"),
+        (redo, stack.canRedoChanged, stack.redoTextChanged, "&Redo"),
+    ):
+        action.setEnabled(False)
+        can.connect(action.setEnabled)
+        text.connect(partial(_name_step, action, verb))
+
+
+def _name_step(action: object, verb: str, step: str) -> None:
+    escaped = step.replace("&", "&&")  # a layer may be called what it likes
+    action.setText(f"{verb} {escaped}".strip())  # type: ignore[attr-defined]
+
+
+def fill(actions: Actions) -> None:
+    """Fill the menu."""
+    actions.menu("&Edit", ["undo", "redo"])

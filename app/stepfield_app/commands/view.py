@@ -1,0 +1,70 @@
+"""The View menu: cameras, arrangement, theme."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from stepfield_app import docks
+from stepfield_app.actions import Actions
+from stepfield_app.render.scene import CLOUD, PILLARS, RECONSTRUCTION, VIEWS
+
+if TYPE_CHECKING:
+    from stepfield_app.main_window import MainWindow
+
+
+#: Texts of the actions that show one view; every letter after an ampersand is alone in its menu.
+ONLY = {CLOUD: "Only the &cloud", PILLARS: "Only the p&illars", RECONSTRUCTION: "Only the &reconstruction"}
+
+
+def make(actions: Actions, window: MainWindow) -> None:
+    """Make the actions of the menu."""
+    make, trio = actions.make, window.trio
+    for preset, text, keys in (
+        ("iso", "From above, as&lant", "Ctrl+Alt+0"),
+        ("top", "From the &top", "Ctrl+Alt+1"),
+        ("front", "From the s&outh", "Ctrl+Alt+2"),
+        ("side", "From the &east", "Ctrl+Alt+3"),
+    ):
+        make(preset, text, partial(trio.look_from, preset), keys=keys, glyph=preset)
+    make("fit", "&Fit", trio.fit, keys="F", glyph="fit", tip="Frame everything")
+    make(
+        "parallel",
+        "&Parallel projection",
+        trio.set_parallel,
+        keys="Ctrl+Alt+P",
+        glyph="parallel",
+        checkable=True,
+        tip="Equal lengths look equal everywhere",
+    )
+    make("all views", "&All three views", partial(trio.arrange, VIEWS), keys="Ctrl+0")
+    for place, (view, text) in enumerate(ONLY.items(), 1):
+        make(
+            f"only {view}",
+            text,
+            partial(trio.arrange, (view,)),
+            keys=f"Ctrl+{place}",
+        )
+    for choice, text in (("system", "As the &system"), ("light", "&Light"), ("dark", "&Dark")):
+        action = make(
+            f"theme {choice}", text, partial(_choose_theme, window, choice), needs_scan=False, checkable=True
+        )
+        action.setChecked(choice == window.appearance.choice)
+    actions.exclusive([f"theme {choice}" for choice in ("system", "light", "dark")])
+    make("panels", "Put the panels &back", partial(docks.arrange, window, window.docks), needs_scan=False)
+
+
+def fill(actions: Actions, window: MainWindow) -> None:
+    """Fill the menu."""
+    view = actions.menu("&View", ["iso", "top", "front", "side", "fit", "parallel", None, "all views"])
+    actions.fill(view, [f"only {name}" for name in VIEWS])
+    view.addSeparator()
+    window.docks.fill(view.addMenu("Panel&s"))
+    actions.fill(view, ["panels"])
+    actions.fill(view.addMenu("T&heme"), [f"theme {choice}" for choice in ("system", "light", "dark")])
+
+
+def _choose_theme(window: MainWindow, choice: str, is_chosen: bool) -> None:
+    if is_chosen and choice != window.appearance.choice:
+        window.appearance.choose(choice)  # type: ignore[arg-type]
+        window.settings.theme = choice  # type: ignore[assignment]
