@@ -99,7 +99,7 @@ def classify(
     taken = strongest(field, enough, count)
     stack = _Stack.of(field, taken)
     if method == "rank" or not count:
-        layering = Layering(stack.spread(stack.rank), count)
+        layering = Layering(stack.spread(stack.ranks()), count)
     else:
         layering = _by_elevation(stack, count)
     layering.layer.flags.writeable = False
@@ -110,7 +110,7 @@ def layer_count(
     field: StepField, enough: NDArray[np.bool_], max_layers: int | Literal["auto", "none"]
 ) -> int:
     """Count the layers: the most pillars in a compartment (5.3.2), or what the operator's cap leaves."""
-    held = np.add.reduceat(enough, field.first[:-1], dtype=np.int64)
+    held = _held(field, enough)
     most = int(held.max())
     if max_layers == "none":
         return most
@@ -124,13 +124,21 @@ def layer_count(
 def strongest(field: StepField, enough: NDArray[np.bool_], count: int) -> Integers:
     """Indices of the at most ``count`` pillars a compartment keeps: most points first, ties to the lower."""
     chosen = np.flatnonzero(enough)
-    if np.add.reduceat(enough, field.first[:-1], dtype=np.int64).max() <= count:
+    if _held(field, enough).max() <= count:
         return chosen
     compartment = field.compartment[chosen]
     order = np.lexsort((field.rank[chosen], -field.points[chosen], compartment))
     starts = np.flatnonzero(np.diff(compartment[order], prepend=-1))
     place = np.arange(len(order)) - np.repeat(starts, np.diff(np.append(starts, len(order))))
     return np.sort(chosen[order[place < count]])
+
+
+def _held(field: StepField, enough: NDArray[np.bool_]) -> Integers:
+    """Count the pillars with enough points in each occupied compartment."""
+    if enough.all():
+        return np.diff(field.first)
+    held: Integers = np.add.reduceat(enough, field.first[:-1], dtype=np.int64)
+    return held
 
 
 @dataclass(frozen=True)
@@ -140,41 +148,119 @@ class _Stack:
     total: int  # pillars of the whole step-field
     chosen: Integers  # (M,) which of them take part
     elevation: Floats  # (M,)
-    rank: Integers  # (M,) place within the compartment among those that take part
-    size: Integers  # (M,) how many of the compartment take part
+    bottom: Integers  # (C,) where the pillars of each compartment begin
+    size: Integers  # (C,) how many they are
 
     @classmethod
     def of(cls, field: StepField, chosen: Integers) -> _Stack:
-        compartment = field.compartment[chosen]
-        starts = np.flatnonzero(np.diff(compartment, prepend=-1))
-        sizes = np.diff(np.append(starts, len(chosen)))
-        rank = np.arange(len(chosen)) - np.repeat(starts, sizes)
-        # Equal points can make a higher pillar's mean no higher than a lower one's by rounding only, so the
-        # order of creation is the order of height.
-        return cls(len(field), chosen, field.elevation[chosen], rank, np.repeat(sizes, sizes))
+        if len(chosen) == len(field):
+            return cls(len(field), chosen, field.elevation, field.first[:-1], np.diff(field.first))
+        bottom = np.flatnonzero(np.diff(field.compartment[chosen], prepend=-1))
+        sizes = np.diff(np.append(bottom, len(chosen)))
+        return cls(len(field), chosen, field.elevation[chosen], bottom, sizes)
+
+    def ranks(self) -> Integers:
+        """Place within the compartment among those that take part, shape (M,).
+
+        Equal points can make a higher pillar's mean no higher than a lower one's by rounding only, so the
+        order of creation is the order of height.
+        """
+        return np.arange(len(self.chosen)) - np.repeat(self.bottom, self.size)
 
     def spread(self, layer: Integers) -> Integers:
         """Layers of all pillars of the step-field, unassigned where they take no part."""
+        if len(self.chosen) == self.total:
+            return layer
         whole = np.full(self.total, UNASSIGNED, np.int64)
         whole[self.chosen] = layer
         return whole
 
 
+@dataclass(frozen=True)
+class _Choice:
+    """The pillars that have a choice of layer, and what the others add to the averages.
+
+    A compartment with as many pillars as there are layers has one in each, whatever the averages.
+    """
+
+    count: int  # layers
+    rows: Integers  # (F,) which pillars of the stack have a choice
+    elevation: Floats  # (F,)
+    groups: tuple[Integers, ...]  # for sizes from 1 to count - 1: indices into rows, shape (m, size)
+    full: int  # compartments without a choice
+    sums: Floats  # (count,) elevations of their pillars in each layer, metres
+    scatter: float  # of them around their own averages, m²
+
+    @classmethod
+    def of(cls, stack: _Stack, count: int) -> _Choice:
+        bottoms = [stack.bottom[stack.size == size] for size in range(1, count + 1)]
+        *some, full = bottoms
+        members = [bottom[:, np.newaxis] + np.arange(size) for size, bottom in enumerate(some, start=1)]
+        ends = np.cumsum([0, *(part.size for part in members)])
+        rows = np.concatenate([np.zeros(0, np.int64), *(part.ravel() for part in members)])
+        fixed = [stack.elevation[full + layer] for layer in range(count)]
+        return cls(
+            count,
+            rows,
+            stack.elevation[rows],
+            tuple(
+                np.arange(end - part.size, end).reshape(part.shape)
+                for end, part in zip(ends[1:], members, strict=True)
+            ),
+            len(full),
+            np.array([part.sum() for part in fixed]),
+            sum(float(np.square(part - part.mean()).sum()) for part in fixed if len(part)),
+        )
+
+    def ranks(self) -> Integers:
+        """Place within the compartment, shape (F,)."""
+        ranks = np.empty(len(self.rows), np.int64)
+        for members in self.groups:
+            ranks[members] = np.arange(members.shape[1])
+        return ranks
+
+    def averages(self, layer: Integers) -> Floats:
+        """Average elevation of each layer, those without a choice included; NaN for an empty one."""
+        members = self.full + np.bincount(layer, minlength=self.count)
+        sums = self.sums + np.bincount(layer, self.elevation, minlength=self.count)
+        averages: Floats = np.divide(sums, members, out=np.full(self.count, np.nan), where=members > 0)
+        return averages
+
+    def reassigned(self, averages: Floats) -> Integers:
+        """Return the cheapest layers, shape (F,)."""
+        layer = np.empty(len(self.rows), np.int64)
+        for members in self.groups:
+            if len(members):
+                layer[members] = cheapest_layers(self.elevation[members], averages)
+        return layer
+
+    def cost(self, layer: Integers, averages: Floats) -> float:
+        """Sum of squared differences to the averages, those without a choice included, m²."""
+        away = self.sums - self.full * averages if self.full else np.zeros(self.count)
+        fixed = self.scatter + float(np.square(away).sum()) / max(self.full, 1)
+        return fixed + float(np.square(self.elevation - averages[layer]).sum())
+
+
 def _by_elevation(stack: _Stack, count: int) -> Layering:
     """Reassign to the averages until nothing changes (5.3.3), then number layers by average elevation."""
-    layer = stack.rank
-    averages = _averages(stack.elevation, layer, count)
-    groups = [np.flatnonzero((stack.size == size) & (stack.rank == 0)) for size in range(1, count)]
+    choice = _Choice.of(stack, count)
+    layer = choice.ranks()
+    averages = choice.averages(layer)
     costs: list[float] = []
     converged = False
     while not converged and len(costs) < MOST_ROUNDS:
-        averages, layer = _ascending(averages, layer)
-        closer = _reassigned(stack, layer, averages, groups)
-        costs.append(float(np.square(stack.elevation - averages[closer]).sum()))
-        converged = bool(np.array_equal(closer, layer))
-        layer, averages = closer, _averages(stack.elevation, closer, count)
-    _, layer = _ascending(averages, layer)
-    return Layering(stack.spread(layer), count, tuple(costs), converged)
+        number = _ascending(averages)
+        averages, layer = averages[np.argsort(number)], number[layer]
+        closer = choice.reassigned(averages)
+        costs.append(choice.cost(closer, averages))
+        converged = bool(np.array_equal(closer, layer)) and _is_ascending(number)
+        layer, averages = closer, choice.averages(closer)
+    whole = stack.ranks()  # right for compartments that fill every layer
+    whole[choice.rows] = layer
+    number = _ascending(averages)
+    return Layering(
+        stack.spread(whole if _is_ascending(number) else number[whole]), count, tuple(costs), converged
+    )
 
 
 def _averages(elevation: Floats, layer: Integers, count: int) -> Floats:
@@ -188,24 +274,15 @@ def _averages(elevation: Floats, layer: Integers, count: int) -> Floats:
     return averages
 
 
-def _ascending(averages: Floats, layer: Integers) -> tuple[Floats, Integers]:
-    """Number the layers by ascending average: what *in order of height* needs."""
-    order = np.argsort(averages, kind="stable")
-    if np.array_equal(order, np.arange(len(order))):
-        return averages, layer
-    number = np.empty_like(order)
-    number[order] = np.arange(len(order))
-    return averages[order], number[layer]
+def _ascending(averages: Floats) -> Integers:
+    """Return the numbers of layers by ascending average, shape (count,): what *in order of height* needs."""
+    number = np.empty(len(averages), np.int64)
+    number[np.argsort(averages, kind="stable")] = np.arange(len(averages))
+    return number
 
 
-def _reassigned(stack: _Stack, layer: Integers, averages: Floats, groups: list[Integers]) -> Integers:
-    """Return the cheapest layers for every compartment; a full one has no choice."""
-    closer = stack.rank.copy()  # right for compartments that fill every layer
-    for size, bottoms in enumerate(groups, start=1):
-        if len(bottoms):
-            members = bottoms[:, np.newaxis] + np.arange(size)
-            closer[members] = cheapest_layers(stack.elevation[members], averages)
-    return closer
+def _is_ascending(number: Integers) -> bool:
+    return bool(np.array_equal(number, np.arange(len(number))))
 
 
 def cheapest_layers(elevation: Floats, averages: Floats) -> Integers:

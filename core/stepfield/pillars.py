@@ -61,6 +61,14 @@ class StepField:
         """Highest point of each pillar, shape (P,)."""
         return self.compartments.ticks[self.start[1:] - 1] * np.float64(self.compartments.tick)
 
+    def lows(self, chosen: NDArray[np.int64]) -> Floats:
+        """Lowest points of some pillars, shape (n,)."""
+        return self.compartments.ticks[self.start[chosen]] * np.float64(self.compartments.tick)
+
+    def highs(self, chosen: NDArray[np.int64]) -> Floats:
+        """Highest points of some pillars, shape (n,)."""
+        return self.compartments.ticks[self.start[chosen + 1] - 1] * np.float64(self.compartments.tick)
+
     @property
     def rank(self) -> Integers:
         """Place of each pillar in its compartment counted from the lowest, shape (P,)."""
@@ -69,7 +77,7 @@ class StepField:
     def boxes(self, chosen: NDArray[np.int64]) -> Floats:
         """Return x0, y0, x1, y1, z_low, z_high of pillars in scan coordinates, shape (n, 6), metres."""
         squares = self.compartments.grid.squares(self.compartment[chosen])
-        spans = np.column_stack([self.low[chosen], self.high[chosen]]) + self.compartments.lowest
+        spans = np.column_stack([self.lows(chosen), self.highs(chosen)]) + self.compartments.lowest
         return np.hstack([squares, spans])
 
 

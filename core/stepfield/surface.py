@@ -79,5 +79,7 @@ def as_simulator(grid: Grid, compartment: Integers, top: Floats) -> Mesh:
     whole = (compartment[found] == wanted).all(axis=1) if len(compartment) else np.zeros(0, bool)
     quads = found[whole]
     vertices = np.column_stack([grid.centres(compartment), top])
-    used, index = np.unique(quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3), return_inverse=True)
-    return Mesh(vertices[used], index.reshape(-1, 3).astype(np.int64))
+    used = np.zeros(len(compartment), bool)
+    used[quads] = True
+    number = np.cumsum(used) - 1
+    return Mesh(vertices[used], number[quads[:, [0, 1, 2, 0, 2, 3]]].reshape(-1, 3))

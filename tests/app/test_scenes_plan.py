@@ -13,7 +13,7 @@ from stepfield.reconstruction import Reconstruction
 from stepfield_app.scenes import histogram
 from stepfield_app.scenes.cloud import Cloud, cloud
 from stepfield_app.scenes.palette import layer_codes, layer_colours
-from stepfield_app.scenes.raster import Mode, elevations, hillshade, raster, thumbnail
+from stepfield_app.scenes.raster import Mode, elevations, hillshade, raster, thumbnails
 from stepfield_app.scenes.readout import compartment_at, pillars_at
 from stepfield_app.scenes.section import Section, band
 from stepfield_app.scenes.section import section as section_of
@@ -92,17 +92,16 @@ def test_a_thumbnail_shows_a_single_pillar(tmp_path: Path) -> None:
         layer_tolerance=1.0,
         max_layers=2,
     )
-    small = thumbnail(result, 1, 48)
+    small = thumbnails(result, [1], 48)[1]
     assert max(small.shape[:2]) <= 48
     assert np.count_nonzero(small[:, :, 3]) == 1
     row, column = np.argwhere(small[:, :, 3])[0]
     assert (row, column) == ((90 - 1 - 40) // 5, 150 // 5)
-    assert thumbnail(result, 1, 48, (10, 200, 30))[row, column, 1] > 100
 
 
 def test_a_small_grid_is_enlarged_and_an_empty_layer_is_blank(result: Reconstruction) -> None:
-    assert thumbnail(result, 0, 48).shape == (36, 48, 4)
-    assert not thumbnail(result, -1, 48).any()
+    assert thumbnails(result, [0], 48)[0].shape == (36, 48, 4)
+    assert not thumbnails(result, [-1], 48)[-1].any()
     assert np.isnan(elevations(result, -1)).all()
 
 

@@ -20,6 +20,7 @@ from stepfield_app.scenes import blocks, colouring, surfaces
 from stepfield_app.scenes.cloud import Cloud, cloud, points
 from stepfield_app.scenes.ground import crosses, ground
 from stepfield_app.scenes.legend import Legend
+from stepfield_app.scenes.thinned import stride_for
 from stepfield_app.theme import Theme, ramp
 
 Floats = NDArray[np.float64]
@@ -156,11 +157,13 @@ class Drawing:
 
     def _of_pillars(self, wish: Wish) -> Picture:
         mode = wish.modes[PILLARS]
-        most = QUICK_BLOCKS if wish.quick else blocks.MOST_BLOCKS
+        stride = stride_for(len(wish.result.field), QUICK_BLOCKS) if wish.quick else 1
         return self._solid(
             wish,
             PILLARS,
-            lambda: blocks.blocks(wish.result, wish.origin, wish.colours, wish.visible, mode=mode, most=most),
+            lambda: blocks.blocks(
+                wish.result, wish.origin, wish.colours, wish.visible, mode=mode, stride=stride
+            ),
         )
 
     def _of_layers(self, wish: Wish) -> Picture:

@@ -53,6 +53,7 @@ class PlotFeed(QObject):
         self._sections = self._worker(Cutting(), "profile", self._show_section, PROFILE_PACE)
         document.answer_changed.connect(self._take)
         document.opened.connect(self._begin)
+        document.held_changed.connect(self._hold)
         document.active_layer_changed.connect(map_view.set_layer)
         document.project_changed.connect(lambda _: self._recolour())
         scene_feed.cloud_changed.connect(self._cut)
@@ -92,8 +93,15 @@ class PlotFeed(QObject):
             self._histogram.set_histogram(None)
             return
         self._draw(self._map.layer, self._map.mode)
-        self._panels.ask(PanelWish(answer, self._colours(answer)))
+        self._draw_panel(answer)
         self._cut()
+
+    def _hold(self, is_held: bool) -> None:
+        """Draw all there is once a hand has stopped; of what is still pending an answer will come."""
+        answer = self._document.answer
+        if not is_held and answer is not None and not self._document.pending:
+            self._draw(self._map.layer, self._map.mode)
+            self._draw_panel(answer)
 
     def _begin(self) -> None:
         """Draw a first profile through the middle, so that the panel shows what it is for."""
@@ -112,12 +120,15 @@ class PlotFeed(QObject):
         answer = self._document.answer
         if answer is not None and not self._document.pending:
             self._draw(self._map.layer, self._map.mode)
-            self._panels.ask(PanelWish(answer, self._colours(answer)))
+            self._draw_panel(answer)
+
+    def _draw_panel(self, answer: Answer) -> None:
+        self._panels.ask(PanelWish(answer, self._colours(answer), self._document.held))
 
     def _draw(self, layer: int, mode: str) -> None:
         answer = self._document.answer
         if answer is not None and layer < len(answer.result.layers):
-            self._maps.ask(MapWish(answer, layer, mode, self._colours(answer)))
+            self._maps.ask(MapWish(answer, layer, mode, self._colours(answer), self._document.held))
 
     def _cut(self) -> None:
         answer, cloud, line = self._document.answer, self._scene_feed.cloud, self._map.line

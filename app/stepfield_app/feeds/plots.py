@@ -16,32 +16,40 @@ from stepfield_app.requests import Answer
 from stepfield_app.scenes.cloud import Cloud
 from stepfield_app.scenes.histogram import of_layers
 from stepfield_app.scenes.palette import UNASSIGNED_CODE
-from stepfield_app.scenes.raster import raster, thumbnail
+from stepfield_app.scenes.raster import raster, thumbnails
 from stepfield_app.scenes.section import Band, band, section
+from stepfield_app.scenes.thinned import coarse_grid, stride_for
 from stepfield_app.views.line import ProfileLine
 from stepfield_app.views.pictures import Histogram, MapPicture, Section
 
 Colours = NDArray[np.uint8]
 #: Side of a thumbnail in pixels: twice its size on the panel, for screens of 200 %.
 THUMBNAIL = 96
+#: Compartments of a map, or of all thumbnails, while a hand moves.
+QUICK_PIXELS = 120_000
 
 
 @dataclass(frozen=True, eq=False)
 class MapWish:
-    """A layer to draw from above; ``colours`` has a row a layer and one for Unassigned."""
+    """A layer to draw from above; ``colours`` has a row a layer and one for Unassigned.
+
+    While a hand moves a ``quick`` picture will do: of a large map only some of the compartments.
+    """
 
     answer: Answer
     layer: int
     mode: str
     colours: Colours
+    quick: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class PanelWish:
-    """What the layers panel and the histogram need of an answer."""
+    """What the layers panel and the histogram need of an answer; quick thumbnails may miss single pillars."""
 
     answer: Answer
     colours: Colours
+    quick: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +74,9 @@ def map_picture(wish: MapWish, progress: Progress) -> MapPicture:
     """Draw a layer from above."""
     result: Reconstruction = wish.answer.result
     mode: Any = wish.mode
-    drawn, grid = raster(result, wish.layer, mode), result.field.compartments.grid
+    grid = result.field.compartments.grid
+    stride = stride_for(len(grid), QUICK_PIXELS) if wish.quick and mode != "gray" else 1
+    drawn, grid = raster(result, wish.layer, mode, stride=stride), coarse_grid(grid, stride)
     return MapPicture(
         layer=wish.layer,
         name=_name(result, wish.layer),
@@ -92,8 +102,9 @@ def panel_pictures(wish: PanelWish, progress: Progress) -> PanelPictures:
     counts = np.rint(elevations.counts).astype(np.int64)
     colours = tuple(_hex(colour) for colour in wish.colours)
     numbers = [*(layer.index for layer in result.layers), UNASSIGNED]
+    stride = stride_for(len(result.field.compartments.grid), QUICK_PIXELS) if wish.quick else 1
     return PanelPictures(
-        {index: thumbnail(result, index, THUMBNAIL) for index in numbers},
+        thumbnails(result, numbers, THUMBNAIL, stride),
         Histogram(elevations.edges, counts, colours, levels),
     )
 

@@ -155,7 +155,8 @@ class SceneFeed(QObject):
         self.ask()
 
     def _show(self, wish: Wish, drawn: Drawn) -> None:
-        self._breath.start(round(1000 * RESTS * drawn.seconds))
+        if wish.quick:
+            self._breath.start(round(1000 * RESTS * drawn.seconds))
         if wish.origin is not self.origin:
             return  # of a scan that is open no more
         if drawn.cloud is not self.cloud:

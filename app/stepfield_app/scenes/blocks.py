@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.render.scene import Triangles
-from stepfield_app.scenes.arrays import robust_range, steps
+from stepfield_app.scenes.arrays import robust_range, sample, steps
 from stepfield_app.scenes.faces import Faces, Patches, joined
 from stepfield_app.scenes.neighbours import (
     EAST,
@@ -41,6 +41,8 @@ Mode = Literal["layer", "height"]
 LEVELS = 4
 #: More blocks than this are joined before they are drawn: no screen has the pixels for them.
 MOST_BLOCKS = 1 << 20
+#: Pillars that tell the range of heights.
+SAMPLE = 200_000
 #: Light on a wall that faces north, east, south, west; on an underside; a top has all of it.
 WALL_LIGHT = (0.70, 0.80, 0.84, 0.62)
 UNDERSIDE_LIGHT = 0.48
@@ -66,7 +68,7 @@ def blocks(
     visible: Collection[int],
     levels: int = LEVELS,
     mode: Mode = "layer",
-    most: int = MOST_BLOCKS,
+    stride: int = 1,
 ) -> tuple[Triangles, ...]:
     """Return the step-field in levels of detail, the finest first.
 
@@ -82,21 +84,25 @@ def blocks(
     levels : int
     mode : str
         Colour by ``layer``, or by ``height`` over :func:`height_range`.
-    most : int
-        More blocks are joined before they are drawn.
+    stride : int
+        Every how manieth row and column of compartments is drawn.
     """
-    low, high = height_range(result)
-    span = (low - origin[2], high - origin[2])
-    stack = step_field(result, origin, visible)
-    return meshes(stack, colours, span if mode == "height" else None, levels, most)
+    span = local_span(result, origin) if mode == "height" else None
+    return meshes(step_field(result, origin, visible, stride), colours, span, levels)
 
 
 def height_range(result: Reconstruction) -> tuple[float, float]:
     """Elevations that the ends of the height ramp stand for, scan coordinates, metres."""
-    shown = result.field.elevation[result.layering.layer >= 0]
-    low, high = robust_range(shown)
+    part = sample(len(result.field), SAMPLE)
+    low, high = robust_range(result.field.elevation[part][result.layering.layer[part] >= 0])
     lowest = result.field.compartments.lowest
     return lowest + low, lowest + high
+
+
+def local_span(result: Reconstruction, origin: Floats) -> tuple[float, float]:
+    """Return :func:`height_range` in local coordinates."""
+    low, high = height_range(result)
+    return low - origin[2], high - origin[2]
 
 
 def meshes(

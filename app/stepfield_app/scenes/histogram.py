@@ -59,8 +59,12 @@ def of_layers(result: Reconstruction, bins: int = BINS) -> Elevations:
     layer = layering.layer[pillar]
     layer = np.where(layer < 0, layering.count, layer)
     counts = _counted(distance, layer, layering.count + 1, edges) * (len(cells.ticks) / len(distance))
-    averages = layering.averages(field.elevation) + cells.lowest
+    averages = np.array([_average(layer.elevation) for layer in result.layers]) + cells.lowest
     return Elevations(frozen(edges + cells.lowest), frozen(counts), frozen(averages), exact=part.step == 1)
+
+
+def _average(elevation: Floats) -> float:
+    return float(elevation.mean()) if len(elevation) else np.nan
 
 
 def _edges(distance: Floats, bins: int) -> Floats:

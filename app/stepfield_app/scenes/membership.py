@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,9 +38,12 @@ def point_codes(
     ndarray of shape (n,), uint8
     """
     field, own = result.field, scan is result.scan
-    boundary, codes_of = _boundaries(field), np.append(layer_codes(result.layering.layer), UNASSIGNED_CODE)
-    codes = np.empty(len(scan) if chosen is None else len(chosen), np.uint8)
     keys = _Keys(scan, field)
+    pillars = None if chosen is None else _beneath(field, keys(chosen) >> _BITS)
+    boundary = _boundaries(field, pillars)
+    layers = result.layering.layer if pillars is None else result.layering.layer[pillars]
+    codes_of = np.append(layer_codes(layers), UNASSIGNED_CODE)
+    codes = np.empty(len(scan) if chosen is None else len(chosen), np.uint8)
 
     def fill(part: slice) -> None:
         key = keys(part if chosen is None else chosen[part])
@@ -51,14 +56,32 @@ def point_codes(
     return frozen(codes)
 
 
-def _boundaries(field: StepField) -> NDArray[np.uint64]:
-    """Where each pillar takes over from the one below: half-way up the gap, packed with the compartment."""
+def _beneath(field: StepField, compartment: NDArray[np.uint64]) -> NDArray[np.int64]:
+    """Indices of the pillars of compartments, ascending; a few of them are far less work than all."""
+    grid = field.compartments.grid
+    wanted = np.zeros(len(grid) + 1, bool)  # the last one stands for everything beyond the grid
+    wanted[compartment.astype(np.int64)] = True
+    return np.flatnonzero(wanted[field.compartment])
+
+
+def _boundaries(field: StepField, pillars: NDArray[np.int64] | None) -> NDArray[np.uint64]:
+    """Where each pillar takes over from the one below: half-way up the gap, packed with the compartment.
+
+    Parameters
+    ----------
+    field : StepField
+    pillars : ndarray or None
+        Those of some compartments, ascending; all of them by default.
+    """
     ticks = field.compartments.ticks
-    low, high = ticks[field.start[:-1]].astype(np.uint64), ticks[field.start[1:] - 1].astype(np.uint64)
+    some: Any = slice(None) if pillars is None else pillars
+    start, end, compartment = field.start[:-1][some], field.start[1:][some], field.compartment[some]
+    low, high = ticks[start].astype(np.uint64), ticks[end - 1].astype(np.uint64)
     boundary = low.copy()
     boundary[1:] = (high[:-1] + low[1:] + np.uint64(1)) // np.uint64(2)
-    boundary[field.first[:-1]] = 0
-    return field.compartment.astype(np.uint64) << _BITS | boundary
+    boundary[np.diff(compartment, prepend=-1) != 0] = 0
+    packed: NDArray[np.uint64] = compartment.astype(np.uint64) << _BITS | boundary
+    return packed
 
 
 def _meets(

@@ -5,17 +5,20 @@ Row 0 is north, column 0 is west; holes are transparent.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stepfield.grid import Grid
 from stepfield.heightmap import GrayScale
 from stepfield.layers import UNASSIGNED
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.scenes.arrays import frozen, robust_range, steps
 from stepfield_app.scenes.legend import Legend
+from stepfield_app.scenes.thinned import Pixels, pixels
 from stepfield_app.theme import ramp
 
 Bytes = NDArray[np.uint8]
@@ -49,7 +52,11 @@ class Raster:
 
 
 def raster(
-    result: Reconstruction, layer: int, mode: Mode = "hillshade", span: tuple[float, float] | None = None
+    result: Reconstruction,
+    layer: int,
+    mode: Mode = "hillshade",
+    span: tuple[float, float] | None = None,
+    stride: int = 1,
 ) -> Raster:
     """Draw a layer from above.
 
@@ -63,8 +70,10 @@ def raster(
         with light from the north-west.
     span : tuple of float
         Elevations the ramp spans, scan coordinates; the layer's own by default.
+    stride : int
+        Every how manieth row and column is drawn; 1 for ``gray``, which is the exported image.
     """
-    heights = elevations(result, layer)
+    grid, heights = thinned_elevations(result, layer, stride)
     if mode == "gray":
         gray = _exported(result, layer, heights)
         return Raster(
@@ -73,7 +82,7 @@ def raster(
     low, high = span or robust_range(heights)
     colours = ramp("height")[steps(heights, low, high, 256)]
     if mode == "hillshade":
-        shade = hillshade(heights, result.field.compartments.grid.cell_size)
+        shade = hillshade(heights, grid.cell_size)
         colours = np.rint(colours * shade[:, :, np.newaxis]).astype(np.uint8)
     return Raster(
         _opaque(colours, heights), heights, Legend("Elevation", "m", ramp("height"), low=low, high=high)
@@ -82,10 +91,16 @@ def raster(
 
 def elevations(result: Reconstruction, layer: int) -> Singles:
     """Elevations of a layer, shape (rows, columns), float32, scan coordinates, metres; NaN in holes."""
-    grid, (compartment, elevation) = result.field.compartments.grid, _members(result, layer)
+    return thinned_elevations(result, layer, 1)[1]
+
+
+def thinned_elevations(result: Reconstruction, layer: int, stride: int) -> tuple[Grid, Singles]:
+    """Return :func:`elevations` of every ``stride``-th row and column, and the grid of these."""
+    [part] = pixels(result, [layer], stride)
+    grid = part.grid
     heights = np.full(len(grid), np.nan, np.float32)
-    heights[compartment] = elevation
-    return frozen(heights.reshape(grid.rows, grid.columns))
+    heights[part.compartment] = part.elevation + result.field.compartments.lowest
+    return grid, frozen(heights.reshape(grid.rows, grid.columns))
 
 
 def hillshade(heights: Singles, cell_size: float) -> Singles:
@@ -101,53 +116,47 @@ def hillshade(heights: Singles, cell_size: float) -> Singles:
     return lit
 
 
-def thumbnail(
-    result: Reconstruction, layer: int, side: int = 48, colour: tuple[int, int, int] | None = None
-) -> Bytes:
-    """Draw a layer small, so that even a single pillar shows: each pixel is the highest of its compartments.
+def thumbnails(
+    result: Reconstruction, layers: Sequence[int], side: int = 48, stride: int = 1
+) -> dict[int, Bytes]:
+    """Draw layers small, so that even a single pillar shows: each pixel is the highest of its compartments.
 
     Parameters
     ----------
     result : Reconstruction
-    layer : int
+    layers : sequence of int
+        -1 for the pillars in none.
     side : int
         Pixels at most; small grids are enlarged by a whole number.
-    colour : tuple of int
-        Of the highest pillar, the lower ones darker; the height ramp by default.
+    stride : int
+        Every how manieth row and column is looked at.
 
     Returns
     -------
-    ndarray of shape (h, w, 4), uint8
+    dict of int to ndarray of shape (h, w, 4), uint8
     """
-    small = _highest(result, layer, side)
-    share = steps(small, *robust_range(small, 0.02), 256)
-    if colour is None:
-        colours: Bytes = ramp("height")[share]
-    else:
-        dimmed = np.array(colour) * (0.55 + 0.45 / 255 * share[:, :, np.newaxis])
-        colours = np.rint(dimmed).astype(np.uint8)
+    parts = pixels(result, layers, stride)
+    return {layer: _thumbnail(part, side) for layer, part in zip(layers, parts, strict=True)}
+
+
+def _thumbnail(part: Pixels, side: int) -> Bytes:
+    small = _highest(part, side)
+    colours = ramp("height")[steps(small, *robust_range(small, 0.02), 256)]
     picture, times = _opaque(colours, small), max(1, side // max(small.shape))
     return frozen(picture.repeat(times, axis=0).repeat(times, axis=1))
 
 
-def _highest(result: Reconstruction, layer: int, side: int) -> Floats:
+def _highest(part: Pixels, side: int) -> Floats:
     """Greatest elevations of squares of compartments, at most ``side`` a side; NaN without a pillar."""
-    grid, (compartment, elevation) = result.field.compartments.grid, _members(result, layer)
+    grid = part.grid
     factor = max(1, -(-max(grid.rows, grid.columns) // side))
     rows, columns = -(-grid.rows // factor), -(-grid.columns // factor)
-    row, column = grid.row_column(compartment)
+    row, column = grid.row_column(part.compartment)
     whole = np.full((rows * factor, columns * factor), -np.inf)
-    whole[row, column] = elevation  # of several in a compartment the last one stays: the highest
+    whole[row, column] = part.elevation  # of several in a compartment the last one stays: the highest
     small: Floats = whole.reshape(rows, factor, columns, factor).max(axis=(1, 3))
     small[np.isneginf(small)] = np.nan
     return small
-
-
-def _members(result: Reconstruction, layer: int) -> tuple[Integers, Floats]:
-    """Compartments of a layer's pillars, and their elevations in scan coordinates."""
-    pillars = result.layering.members(UNASSIGNED) if layer == UNASSIGNED else result.layers[layer].pillars
-    field = result.field
-    return field.compartment[pillars], field.elevation[pillars] + field.compartments.lowest
 
 
 def _exported(result: Reconstruction, layer: int, heights: Singles) -> Bytes:

@@ -156,11 +156,18 @@ def cut(result: Reconstruction, tail: Floats, tip: Floats) -> Cut:
         layer=frozen(result.layering.layer[pillar]),
         start=frozen(enter[crossing] * length),
         end=frozen(leave[crossing] * length),
-        low=frozen(field.low[pillar] + lowest),
-        high=frozen(field.high[pillar] + lowest),
+        low=frozen(field.lows(pillar) + lowest),
+        high=frozen(field.highs(pillar) + lowest),
         elevation=frozen(field.elevation[pillar] + lowest),
-        standing=frozen(np.isin(pillar, field.first[:-1])),
+        standing=frozen(_is_lowest(field, pillar)),
     )
+
+
+def _is_lowest(field: StepField, pillar: Integers) -> NDArray[np.bool_]:
+    """Mask of the pillars that are the lowest of their compartment."""
+    below = np.maximum(pillar - 1, 0)
+    lowest: NDArray[np.bool_] = (field.compartment[below] != field.compartment[pillar]) | (pillar == 0)
+    return lowest
 
 
 def _near(cloud: Cloud, tail: Floats, tip: Floats, width: float) -> tuple[Integers, NDArray[np.float32]]:

@@ -12,8 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepfield.grid import Grid
 from stepfield.layers import UNASSIGNED
 from stepfield.reconstruction import Layer, Reconstruction
+from stepfield_app.scenes.thinned import thinned
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -38,9 +40,8 @@ class Lattice:
     down: Floats
 
     @classmethod
-    def of(cls, result: Reconstruction, origin: Floats) -> Lattice:
+    def of(cls, grid: Grid, origin: Floats) -> Lattice:
         """Return the edges of the compartments."""
-        grid = result.field.compartments.grid
         across = (grid.west - origin[0]) + np.arange(grid.columns + 1) * grid.cell_size
         down = (grid.south - origin[1]) + np.arange(grid.rows, -1, -1) * grid.cell_size
         return cls(across, down)
@@ -92,7 +93,7 @@ class Stack:
         return len(self.layer)
 
 
-def step_field(result: Reconstruction, origin: Floats, visible: Collection[int]) -> Stack:
+def step_field(result: Reconstruction, origin: Floats, visible: Collection[int], stride: int = 1) -> Stack:
     """Return the blocks of the visible layers, each over its own compartment.
 
     Parameters
@@ -102,19 +103,21 @@ def step_field(result: Reconstruction, origin: Floats, visible: Collection[int])
         Scan coordinates, metres.
     visible : collection of int
         Layers, -1 for the pillars in none.
+    stride : int
+        Every how manieth row and column of compartments is drawn, as large as all of them.
     """
-    field, lattice = result.field, Lattice.of(result, origin)
-    chosen = _ordered(result, visible)
+    field, some = result.field, thinned(result, stride)
+    lattice, layer = Lattice.of(some.grid, origin), result.layering.layer[some.pillars]
+    elevation = field.elevation[some.pillars]
+    chosen = _ordered(layer, visible)
     shift = field.compartments.lowest - origin[2]
-    standing = _standing(result, hide_unassigned=UNASSIGNED not in visible)[chosen]
-    top = field.elevation[chosen]
-    bottom = np.minimum(field.low[chosen], top - THINNEST * lattice.cell_size)
-    bottom = np.maximum(bottom, _ceiling_below(result)[chosen])
+    standing = _standing(some.compartment, layer, hide_unassigned=UNASSIGNED not in visible)[chosen]
+    top = elevation[chosen]
+    bottom = np.minimum(field.lows(some.pillars[chosen]), top - THINNEST * lattice.cell_size)
+    bottom = np.maximum(bottom, _ceiling_below(some.compartment, elevation)[chosen])
     bottom += shift
     bottom[standing] = result.base_elevation - origin[2]
-    return Stack(
-        lattice, result.layering.layer[chosen], field.compartment[chosen], bottom, top + shift, standing
-    )
+    return Stack(lattice, layer[chosen], some.compartment[chosen], bottom, top + shift, standing)
 
 
 def own_columns(result: Reconstruction, layer: Layer, origin: Floats) -> Stack:
@@ -122,7 +125,7 @@ def own_columns(result: Reconstruction, layer: Layer, origin: Floats) -> Stack:
     compartment = result.field.compartment[layer.pillars]
     count, base = len(compartment), result.base_elevation - origin[2]
     return Stack(
-        Lattice.of(result, origin),
+        Lattice.of(result.field.compartments.grid, origin),
         np.full(count, layer.index),
         compartment,
         np.full(count, base),
@@ -167,26 +170,30 @@ def _spread(group: NDArray[np.bool_], starts: Integers, order: Integers) -> NDAr
     return spread
 
 
-def _ordered(result: Reconstruction, visible: Collection[int]) -> Integers:
-    members = [result.layering.members(layer) for layer in sorted(set(visible))]
+def _ordered(layer: Integers, visible: Collection[int]) -> Integers:
+    members = [np.flatnonzero(layer == shown) for shown in sorted(set(visible))]
     return np.concatenate([np.zeros(0, np.int64), *members])
 
 
-def _standing(result: Reconstruction, *, hide_unassigned: bool) -> NDArray[np.bool_]:
+def _standing(compartment: Integers, layer: Integers, *, hide_unassigned: bool) -> NDArray[np.bool_]:
     """Mask of the lowest pillar of each compartment; one in no layer holds nothing up unless it is shown."""
-    field = result.field
-    standing = np.zeros(len(field), bool)
-    standing[field.first[:-1]] = True
+    standing = _leads(compartment)
     if hide_unassigned:
-        there = np.flatnonzero(result.layering.layer != UNASSIGNED)
-        leads = np.diff(field.compartment[there], prepend=-1) != 0
-        standing[there[leads]] = True
+        there = np.flatnonzero(layer != UNASSIGNED)
+        standing[there[_leads(compartment[there])]] = True
     return standing
 
 
-def _ceiling_below(result: Reconstruction) -> Floats:
+def _ceiling_below(compartment: Integers, elevation: Floats) -> Floats:
     """Elevation of the pillar beneath each one, above the lowest point; below everything for the lowest."""
-    below = np.empty(len(result.field))
-    below[1:] = result.field.elevation[:-1]
-    below[result.field.first[:-1]] = -np.inf
+    below = np.empty(len(elevation))
+    below[1:] = elevation[:-1]
+    below[_leads(compartment)] = -np.inf
     return below
+
+
+def _leads(compartment: Integers) -> NDArray[np.bool_]:
+    """Mask of the first of each run of the same compartment."""
+    leads = np.ones(len(compartment), bool)
+    np.not_equal(compartment[1:], compartment[:-1], out=leads[1:])
+    return leads

@@ -8,13 +8,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from stepfield.grid import Grid
-from stepfield.reconstruction import Layer, Reconstruction
+from stepfield.reconstruction import Reconstruction
 from stepfield.surface import as_simulator
 from stepfield_app.render.scene import Triangles
 from stepfield_app.scenes.arrays import frozen, steps
-from stepfield_app.scenes.blocks import height_range, meshes
+from stepfield_app.scenes.blocks import local_span, meshes
 from stepfield_app.scenes.stacks import own_columns
+from stepfield_app.scenes.thinned import Pixels, pixels, stride_for
 from stepfield_app.theme import ramp
 
 Bytes = NDArray[np.uint8]
@@ -24,8 +24,8 @@ Integers = NDArray[np.int64]
 Way = Literal["simulator", "pillars"]
 Mode = Literal["layer", "height"]
 
-#: Every so manieth pixel of the height-maps, the finest level first.
-STRIDES = (1, 2, 4)
+#: Levels of detail; each has every second row and column of the one before.
+LEVELS = 3
 #: Where the light comes from: high in the north-west.
 LIGHT = np.array([-0.46, 0.38, 0.80], np.float32)
 #: Light that reaches every face.
@@ -59,19 +59,23 @@ def surfaces(
     mode : str
         Colour by ``layer``, or by ``height`` over :func:`~stepfield_app.scenes.blocks.height_range`.
     most : int
-        Pixels of the finest level; the coarsest is always there.
+        Pixels of the finest level, about.
     """
-    low, high = height_range(result)
-    span = (low - origin[2], high - origin[2]) if mode == "height" else None
+    span = local_span(result, origin) if mode == "height" else None
     layers = [layer for layer in result.layers if layer.index in visible]
     if way == "pillars":
-        made = [meshes(own_columns(result, layer, origin), colours, span, len(STRIDES)) for layer in layers]
-        return tuple(
-            merged([levels[min(i, len(levels) - 1)] for levels in made]) for i in range(len(STRIDES))
-        )
+        made = [meshes(own_columns(result, layer, origin), colours, span, LEVELS) for layer in layers]
+        return tuple(merged([levels[min(i, len(levels) - 1)] for levels in made]) for i in range(LEVELS))
+    indices = [layer.index for layer in layers]
+    finest = stride_for(sum(len(layer.pillars) for layer in layers), most)
     return tuple(
-        merged([_drawn(result, layer, stride, origin, colours, span) for layer in layers])
-        for stride in _strides(layers, most)
+        merged(
+            [
+                _drawn(part, index, origin - [0, 0, result.field.compartments.lowest], colours, span)
+                for index, part in zip(indices, pixels(result, indices, finest << level), strict=True)
+            ]
+        )
+        for level in range(LEVELS)
     )
 
 
@@ -87,43 +91,17 @@ def merged(parts: Collection[Triangles]) -> Triangles:
     )
 
 
-def _strides(layers: Collection[Layer], most: int) -> tuple[int, ...]:
-    pixels = sum(len(layer.pillars) for layer in layers)
-    return tuple(stride for stride in STRIDES if pixels <= most * stride**2) or STRIDES[-1:]
-
-
 def _drawn(
-    result: Reconstruction,
-    layer: Layer,
-    stride: int,
-    origin: Floats,
-    colours: Bytes,
-    span: tuple[float, float] | None,
+    part: Pixels, layer: int, corner: Floats, colours: Bytes, span: tuple[float, float] | None
 ) -> Triangles:
-    """Draw one layer as a simulator does, from every ``stride``-th pixel."""
-    grid, compartment, elevation = _thinned(result, layer, stride)
-    mesh = as_simulator(grid, compartment, elevation + (result.field.compartments.lowest))
-    vertices = (mesh.vertices - origin).astype(np.float32)
+    """Draw one layer as a simulator does; ``corner`` is the origin, at elevations above the lowest point."""
+    mesh = as_simulator(part.grid, part.compartment, part.elevation)
+    vertices = (mesh.vertices - corner).astype(np.float32)
     triangles = mesh.triangles.astype(np.int32)
-    base = colours[layer.index] if span is None else ramp("height")[steps(vertices[:, 2], *span, 256)]
+    base = colours[layer] if span is None else ramp("height")[steps(vertices[:, 2], *span, 256)]
     light = _light(vertices, triangles)
     shaded = np.rint(base * light[:, np.newaxis]).astype(np.uint8).reshape(-1, 3)
     return Triangles(frozen(vertices), frozen(triangles), frozen(shaded))
-
-
-def _thinned(result: Reconstruction, layer: Layer, stride: int) -> tuple[Grid, Integers, Floats]:
-    """Keep every ``stride``-th row and column, on a grid whose compartments have the same middles."""
-    grid, compartment = result.field.compartments.grid, result.field.compartment[layer.pillars]
-    if stride == 1:
-        return grid, compartment, layer.elevation
-    row, column = grid.row_column(compartment)
-    kept = (row % stride == 0) & (column % stride == 0)
-    rows, columns = -(-grid.rows // stride), -(-grid.columns // stride)
-    side = grid.cell_size * stride
-    west = grid.west + grid.cell_size / 2 - side / 2
-    south = grid.south + (grid.rows - 0.5) * grid.cell_size - (rows - 0.5) * side
-    thinned = Grid(west, south, side, columns, rows)
-    return thinned, row[kept] // stride * columns + column[kept] // stride, layer.elevation[kept]
 
 
 def _light(vertices: Singles, triangles: NDArray[np.int32]) -> Singles:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,10 +139,9 @@ class Overlay:
 
     def _plate(self, room: QRectF) -> None:
         """Lay a plate of the window's colour under text, so that it can be read on any data."""
-        ground = QColor(*rgb(self.theme.window), 190)
-        self.painter.setPen(Qt.PenStyle.NoPen)
-        self.painter.setBrush(ground)
-        self.painter.drawRoundedRect(room, 4, 4)
+        ratio = self.painter.device().devicePixelRatio()
+        size = math.ceil(room.width() * ratio), math.ceil(room.height() * ratio)
+        self.painter.drawImage(room, _plate(*size, ratio, self.theme.window))
 
     def _text(
         self,
@@ -151,6 +152,20 @@ class Overlay:
     ) -> None:
         self.painter.setPen(QColor(colour or self.theme.text))
         self.painter.drawText(room, flags, text)
+
+
+@lru_cache(maxsize=64)
+def _plate(width: int, height: int, ratio: float, colour: str) -> QImage:
+    """Draw a plate once: rounded corners cost as much as all the rest of an overlay."""
+    plate = QImage(width, height, QImage.Format.Format_ARGB32_Premultiplied)
+    plate.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(plate)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(*rgb(colour), 190))
+    painter.drawRoundedRect(0, 0, width, height, 4 * ratio, 4 * ratio)
+    painter.end()
+    return plate
 
 
 def small_font(font: QFont) -> QFont:

@@ -1,0 +1,99 @@
+"""Every so manieth compartment of a step-field: all that a picture needs that is gone in a moment."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.grid import Grid
+from stepfield.layers import UNASSIGNED
+from stepfield.reconstruction import Reconstruction
+
+Integers = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Thinned:
+    """All pillars of some compartments.
+
+    Attributes
+    ----------
+    grid : Grid
+        Of these compartments, each as large as what it stands for, with its middle where it was.
+    pillars : ndarray of shape (n,), int64
+        Indices into the step-field, ascending.
+    compartment : ndarray of shape (n,), int64
+        In ``grid``, ascending.
+    """
+
+    grid: Grid
+    pillars: Integers
+    compartment: Integers
+
+
+def stride_for(count: int, most: int) -> int:
+    """Every how manieth row and column leaves about ``most`` of ``count``."""
+    return max(1, math.ceil(math.sqrt(count / most)))
+
+
+def thinned(result: Reconstruction, stride: int) -> Thinned:
+    """Keep every ``stride``-th row and column of a step-field; 1 keeps all."""
+    field, grid = result.field, result.field.compartments.grid
+    if stride == 1:
+        return Thinned(grid, np.arange(len(field)), field.compartment)
+    wanted = np.zeros((grid.rows, grid.columns), bool)
+    wanted[::stride, ::stride] = True
+    kept = np.flatnonzero(wanted.reshape(-1)[field.compartments.occupied])
+    held = field.first[kept + 1] - field.first[kept]
+    row, column = grid.row_column(field.compartments.occupied[kept])
+    coarse = coarse_grid(grid, stride)
+    compartment = np.repeat(row // stride * coarse.columns + column // stride, held)
+    nth = np.arange(len(compartment)) - np.repeat(np.cumsum(held) - held, held)
+    return Thinned(coarse, np.repeat(field.first[kept], held) + nth, compartment)
+
+
+@dataclass(frozen=True, eq=False)
+class Pixels:
+    """A layer from above.
+
+    Attributes
+    ----------
+    grid : Grid
+    compartment : ndarray of shape (n,), int64
+        Those that are occupied, ascending.
+    elevation : ndarray of shape (n,), float64
+        Metres above the scan's lowest point.
+    """
+
+    grid: Grid
+    compartment: Integers
+    elevation: Floats
+
+
+def pixels(result: Reconstruction, layers: Sequence[int], stride: int = 1) -> list[Pixels]:
+    """Return every ``stride``-th row and column of layers; -1 stands for all pillars in none."""
+    field, some = result.field, thinned(result, stride) if stride > 1 else None
+    if some is None:
+        chosen = [
+            result.layering.members(UNASSIGNED) if layer == UNASSIGNED else result.layers[layer].pillars
+            for layer in layers
+        ]
+        grid = field.compartments.grid
+        return [Pixels(grid, field.compartment[members], field.elevation[members]) for members in chosen]
+    their, elevation = result.layering.layer[some.pillars], field.elevation[some.pillars]
+    masks = [their == layer for layer in layers]
+    return [Pixels(some.grid, some.compartment[mask], elevation[mask]) for mask in masks]
+
+
+def coarse_grid(grid: Grid, stride: int) -> Grid:
+    """Return the grid whose compartments have the middles of every ``stride``-th row and column."""
+    rows, columns = -(-grid.rows // stride), -(-grid.columns // stride)
+    side = grid.cell_size * stride
+    west = grid.west + grid.cell_size / 2 - side / 2
+    south = grid.south + (grid.rows - 0.5) * grid.cell_size - (rows - 0.5) * side
+    return Grid(west, south, side, columns, rows)
