@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import socket
@@ -11,7 +12,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import FrameType, TracebackType
 
-from PySide6.QtCore import QMessageLogContext, QSocketNotifier, QTimer, QtMsgType, qInstallMessageHandler
+from PySide6.QtCore import (
+    QCoreApplication,
+    QEvent,
+    QMessageLogContext,
+    QSocketNotifier,
+    QTimer,
+    QtMsgType,
+    qInstallMessageHandler,
+)
 from PySide6.QtWidgets import QApplication
 
 import stepfield
@@ -74,9 +83,17 @@ def run(
     sys.excepthook = sys.__excepthook__
     garbage.stop()
     stop()
+    _destroy(window)
     if picture is not None and picture.failure is not None:
         raise picture.failure
     return code
+
+
+def _destroy(window: MainWindow) -> None:
+    """Destroy the window while there is an application: the interpreter would come to it too late."""
+    window.deleteLater()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+    gc.collect()
 
 
 def _find_screen(*, needed: bool) -> None:
@@ -121,7 +138,7 @@ def _shown_by(
 
 
 def _closed_by_signals(window: MainWindow) -> Callable[[], None]:
-    """Close the window on Ctrl+C and on SIGTERM; return what puts everything back.
+    """Close the window on Ctrl+C and on SIGTERM, keeping edits; return what puts everything back.
 
     Python handles signals between two of its own instructions only, and the event loop may not run any for
     long: a socket that the signal writes to wakes it.
@@ -132,7 +149,7 @@ def _closed_by_signals(window: MainWindow) -> Callable[[], None]:
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
 
     def close(number: int, frame: FrameType | None) -> None:
-        QTimer.singleShot(0, window.close)
+        QTimer.singleShot(0, window.filing.close_at_once)
 
     for number in before:
         signal.signal(number, close)

@@ -36,6 +36,8 @@ class Docks:
     elevations: QDockWidget
     layers: QDockWidget
     history: QDockWidget
+    edits: QDockWidget
+    suspects: QDockWidget
     map: QDockWidget
     profile: QDockWidget
 
@@ -48,6 +50,8 @@ class Docks:
             self.elevations,
             self.layers,
             self.history,
+            self.edits,
+            self.suspects,
             self.map,
             self.profile,
         )
@@ -112,7 +116,7 @@ def arrange(window: QMainWindow, docks: Docks) -> None:
     window.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, QTabWidget.TabPosition.North)
     window.setCorner(Qt.Corner.BottomLeftCorner, LEFT)
     window.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
-    for dock, area in zip(docks.all, (LEFT, LEFT, LEFT, RIGHT, RIGHT, BOTTOM, BOTTOM), strict=True):
+    for dock, area in zip(docks.all, (LEFT, LEFT, LEFT, *4 * [RIGHT], BOTTOM, BOTTOM), strict=True):
         dock.setFloating(False)
         window.addDockWidget(area, dock)
         dock.show()
@@ -122,6 +126,9 @@ def arrange(window: QMainWindow, docks: Docks) -> None:
     )  # after the split, or it would take in all three
     docks.parameters.raise_()
     window.splitDockWidget(docks.layers, docks.history, Qt.Orientation.Vertical)
+    for other in (docks.edits, docks.suspects):
+        window.tabifyDockWidget(docks.history, other)
+    docks.history.raise_()
     window.splitDockWidget(docks.map, docks.profile, Qt.Orientation.Horizontal)
     height, width = window.height(), window.width()
     left, right = (LEFT_WIDTH, RIGHT_WIDTH) if width >= WIDE else (LEAST_WIDTH, LEAST_WIDTH)

@@ -16,9 +16,10 @@ from PySide6.QtGui import QUndoStack
 from stepfield.errors import ParameterError, StepfieldError
 from stepfield.parameters import Parameters
 from stepfield.project import LayerStyle, Project, ScanFile
-from stepfield_app.edit import Edit, Gesture
+from stepfield_app.edit import Change, Edit, Gesture
 from stepfield_app.facts import ScanFacts
-from stepfield_app.requests import Answer, Request
+from stepfield_app.filed import ProjectFile, Work
+from stepfield_app.requests import Answer, Request, paths_of, request_for
 from stepfield_app.runner import Runner
 
 #: What is active when no layer is: the pillars in no layer.
@@ -33,6 +34,11 @@ class Document(QObject):
     runner : Runner, optional
         Owned by the document from now on.
     parent : QObject, optional
+
+    Attributes
+    ----------
+    file : ProjectFile
+        Where it is stored, and whether there is anything to save.
     """
 
     project_changed = Signal(object)  # Project
@@ -50,9 +56,10 @@ class Document(QObject):
     def __init__(self, runner: Runner | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._project = Project()
+        self.file = ProjectFile(self)
         self._answer: Answer | None = None
         self._facts: ScanFacts | None = None
-        self._opening: Project | None = None
+        self._opening: Work | None = None
         self._active_layer = 0
         self._pending = False
         self._gestures: list[Gesture] = []
@@ -121,10 +128,14 @@ class Document(QObject):
 
     def open_project(self, project: Project) -> None:
         """Open a project whose scans are given by their full paths."""
+        self.open_work(Work(project))
+
+    def open_work(self, work: Work) -> None:
+        """Open a project with what is known of its file."""
         self._runner.cancel()
-        self._opening = project
+        self._opening = work
         self.opening_changed.emit(True)
-        self._runner.ask(request_for(project))
+        self._runner.ask(request_for(work.project))
 
     def close_scan(self) -> None:
         """Close the scan: an empty document."""
@@ -132,6 +143,7 @@ class Document(QObject):
         self._stop_opening()
         self._undo_stack.clear()
         self._project, self._answer, self._facts = Project(), None, None
+        self.file.begin(Work(self._project))
         self.project_changed.emit(self._project)
         self.facts_changed.emit(None)
         self.answer_changed.emit(None)
@@ -183,7 +195,8 @@ class Document(QObject):
             Edits in a row with the same one are a single step.
         """
         if project != self._project:
-            self._undo_stack.push(Edit(text, self._exchange, project, gesture))
+            change = Change.between(self._project, project)
+            self._undo_stack.push(Edit(text, change, self._present, self._place, gesture))
 
     def set_parameters(self, text: str, gesture: object | None = None, **values: Any) -> None:
         """Change some parameters; impossible ones change nothing and are reported through ``failed``."""
@@ -213,12 +226,15 @@ class Document(QObject):
             self._active_layer = index
             self.active_layer_changed.emit(index)
 
-    def _exchange(self, project: Project) -> Project:
-        """Put another project in place of the present one, which is returned."""
-        before, self._project = self._project, project
+    def _present(self) -> Project:
+        return self._project
+
+    def _place(self, project: Project) -> None:
+        """Put another project in place of the present one."""
+        self._project = project
         self._ask()
         self.project_changed.emit(project)
-        return before
+        self.file.follow(project)
 
     def _ask(self) -> None:
         """Ask for the newest result, unless another scan is on its way."""
@@ -247,10 +263,11 @@ class Document(QObject):
         opened, has_new_facts = self._opening, facts is not self._facts
         self._answer, self._facts = answer, facts
         if opened is not None:
-            self._project = opened
+            self._project = opened.project
             self._undo_stack.clear()
             self._stop_opening()
-            self.project_changed.emit(opened)
+            self.file.begin(opened)
+            self.project_changed.emit(self._project)
         if has_new_facts:
             self.facts_changed.emit(facts)
         self._keep_an_active_layer(0 if opened else self._active_layer)
@@ -271,14 +288,3 @@ class Document(QObject):
         elif isinstance(error, StepfieldError) and request != request_for(self._project):
             return
         self.failed.emit(error)
-
-
-def paths_of(project: Project) -> tuple[Path, ...]:
-    """Where the scans of an open project are."""
-    return tuple(Path(scan.path) for scan in project.scans)
-
-
-def request_for(project: Project) -> Request:
-    """Return the request whose answer shows a project: of styles, only names take part in the method."""
-    named = tuple(LayerStyle(index=style.index, name=style.name) for style in project.layers if style.name)
-    return Request(paths_of(project), project.parameters, project.moves, named)

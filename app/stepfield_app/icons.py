@@ -108,6 +108,8 @@ GLYPHS = {
     "cancel": "close",
     "unfold": "chevron-right",
     "fold": "chevron-down",
+    "previous": "chevron-left",
+    "next": "chevron-right",
     "more": "dots-horizontal",
     "help": "help-circle-outline",
     "shortcuts": "keyboard-outline",

@@ -14,24 +14,34 @@ from stepfield.errors import StepfieldError
 from stepfield.parameters import Parameters
 from stepfield_app import commands, docks
 from stepfield_app.appearance import Appearance
-from stepfield_app.commands import file
+from stepfield_app.commands.filing import Filing
 from stepfield_app.document import Document
+from stepfield_app.editor import Editor
 from stepfield_app.feeds.demo_feed import DemoFeed
+from stepfield_app.feeds.lead import Lead
 from stepfield_app.feeds.plot_feed import PlotFeed
 from stepfield_app.feeds.scene_feed import SceneFeed
+from stepfield_app.feeds.selection_feed import SelectionFeed
 from stepfield_app.feeds.status_feed import StatusFeed
 from stepfield_app.feeds.stray_feed import StrayFeed
-from stepfield_app.opening import DropTarget, is_project, project_at
+from stepfield_app.feeds.suspect_feed import SuspectFeed
+from stepfield_app.opening import DropTarget
 from stepfield_app.panels.cleaning import CleaningPanel
 from stepfield_app.panels.history import HistoryPanel
 from stepfield_app.panels.layers import LayersPanel
+from stepfield_app.panels.layers_editing import LayersEditing
+from stepfield_app.panels.moves import MovesPanel
 from stepfield_app.panels.parameters import ParametersPanel
+from stepfield_app.panels.suspects import SuspectsPanel
 from stepfield_app.render.client import RenderClient
+from stepfield_app.selection import Selection
 from stepfield_app.settings import Settings
 from stepfield_app.theme import Theme
 from stepfield_app.tools.crop import CropTool
+from stepfield_app.tools.select import SelectTools, Views
 from stepfield_app.views.histogram import HistogramView
 from stepfield_app.views.map import MapView
+from stepfield_app.views.marks import MarkBox, Marks
 from stepfield_app.views.message_bar import MessageBar
 from stepfield_app.views.profile import ProfileView
 from stepfield_app.views.status import Status
@@ -71,10 +81,14 @@ class MainWindow(QMainWindow):
         self.appearance, self.settings, self._remembers = appearance, settings, remembers
         self.trouble: StepfieldError | None = None
         self.document = Document(parent=self)
+        self.selection = Selection(self.document, self)
+        self.editor = Editor(self.document, self.selection, self)
         self.client = RenderClient(self)
         self._make_views()
         self._make_panels()
         self._make_feeds()
+        self._make_tools()
+        self.filing = Filing(self, remembers=remembers)
         self.actions_ = commands.make(self)
         self._connect()
         docks.arrange(self, self.docks)
@@ -93,11 +107,11 @@ class MainWindow(QMainWindow):
         self._middle.addWidget(self.welcome)
         self._middle.addWidget(self.trio)
         centre = QWidget()
-        layout = QVBoxLayout(centre)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(0)
-        layout.addWidget(self.message_bar)
-        layout.addWidget(self._middle, 1)
+        self._centre = QVBoxLayout(centre)
+        self._centre.setContentsMargins(0, 0, 0, 0)
+        self._centre.setSpacing(0)
+        self._centre.addWidget(self.message_bar)
+        self._centre.addWidget(self._middle, 1)
         self.setCentralWidget(centre)
         self.status = Status(self)
         self.setStatusBar(self.status)
@@ -106,12 +120,19 @@ class MainWindow(QMainWindow):
         self.map, self.profile, self.histogram = MapView(), ProfileView(), HistogramView()
         self.parameters, self.cleaning = ParametersPanel(self.document), CleaningPanel(self.document)
         self.layers, self.history = LayersPanel(self.document), HistoryPanel(self.document.undo_stack)
+        self.layer_editing = LayersEditing(self.document, self.layers, self.editor)
+        self.moves, self.suspects = MovesPanel(self.document, self.editor), SuspectsPanel()
+        self.marks, self.mark_box = Marks(), MarkBox()
+        self.map.plot.addItem(self.marks, ignoreBounds=True)
+        self.map.strip.add(self.mark_box)
         self.docks = docks.Docks(
             parameters=docks.docked(self, "Parameters", self.parameters, docks.LEFT),
             cleaning=docks.docked(self, "Cleaning", self.cleaning, docks.LEFT),
             elevations=docks.docked(self, "Elevations", self.histogram, docks.LEFT),
             layers=docks.docked(self, "Layers", self.layers, docks.RIGHT),
             history=docks.docked(self, "History", self.history, docks.RIGHT),
+            edits=docks.docked(self, "Edits", self.moves, docks.RIGHT),
+            suspects=docks.docked(self, "Suspicious places", self.suspects, docks.RIGHT),
             map=docks.docked(self, "Map", self.map, docks.BOTTOM),
             profile=docks.docked(self, "Profile", self.profile, docks.BOTTOM),
         )
@@ -124,7 +145,24 @@ class MainWindow(QMainWindow):
         self.status_feed = StatusFeed(self.document, self.status, self.trio, self.map, self.scene_feed)
         self.stray_feed = StrayFeed(self.document, self.cleaning, self.scene_feed)
         self.demo_feed = DemoFeed(self)
+        self.selection_feed = SelectionFeed(self.document, self.selection, self.scene_feed, self.client)
+        lead = Lead(self.document, self.map, self.trio, self.scene_feed, self.selection_feed)
+        self.suspect_feed = SuspectFeed(
+            self.document, self.selection, self.map, self.marks, self.mark_box, self.suspects, lead
+        )
+
+    def _make_tools(self) -> None:
         self.crop_tool = CropTool(self.document, self.trio, self.scene_feed)
+        views = Views(self.trio, self.map, self.profile, self.status)
+        self.select_tools = SelectTools(
+            self.document, self.selection, self.editor, views, self.scene_feed, self.layers.visible_layers
+        )
+        self._centre.insertWidget(1, self.select_tools.strip)
+
+    @property
+    def _feeds(self) -> tuple[SceneFeed | PlotFeed | StrayFeed | SelectionFeed | SuspectFeed, ...]:
+        """What asks workers for pictures, in the order in which it has to end."""
+        return self.suspect_feed, self.selection_feed, self.plot_feed, self.stray_feed, self.scene_feed
 
     def _connect(self) -> None:
         document = self.document
@@ -135,14 +173,15 @@ class MainWindow(QMainWindow):
             document.pending_changed.connect(view.set_pending)
         self.profile.place_hovered.connect(lambda x, y: self.map.set_mark((x, y)))
         self.profile.cursor_left.connect(lambda: self.map.set_mark(None))
-        for feed in (self.scene_feed, self.plot_feed, self.stray_feed, self.demo_feed):
-            feed.failed.connect(self.tell)
-        self.layers.visibility_changed.connect(
-            lambda: self.scene_feed.set_visible(self.layers.visible_layers())
-        )
+        for source in (*self._feeds, self.demo_feed, self.selection, self.select_tools):
+            source.failed.connect(self.tell)
+        for says in (self.editor.told, self.suspect_feed.told):
+            says.connect(self.status.say)
+        self.layers.visibility_changed.connect(self._show_layers)
+        self.moves.places_shown.connect(self.selection_feed.show_places)
         self.cleaning.crop_tool_requested.connect(self.crop_tool.set_active)
         self.cleaning.crop_tool_requested.connect(self._show_cleaning)
-        self.welcome.open_wanted.connect(lambda: file.open_dialog(self))
+        self.welcome.open_wanted.connect(self.filing.choose_files)
         self.welcome.demo_wanted.connect(self.demo_feed.start)
         self.welcome.files_chosen.connect(self.open_scans)
         self.demo_feed.progressed.connect(self.status.show_progress)
@@ -155,18 +194,12 @@ class MainWindow(QMainWindow):
 
     def open_scans(self, files: Sequence[Path], parameters: Parameters | None = None) -> None:
         """Open the files of one scan, or a project; the present one stays until the new one has been read."""
-        self.message_bar.dismiss_all()
-        if not is_project(files):
-            self.document.open(files, parameters)
-            return
-        try:
-            self.document.open_project(project_at(files[0]))
-        except StepfieldError as error:
-            self.tell(error)
+        self.filing.open(files, parameters)
 
     def cancel(self) -> None:
         """Stop what is being made."""
         self.demo_feed.cancel()
+        self.filing.cancel()
         self.document.cancel()
 
     def tell(self, error: BaseException) -> None:
@@ -189,9 +222,9 @@ class MainWindow(QMainWindow):
         nothing_is_made = not (self.document.busy or self.document.pending or self.demo_feed.is_busy)
         return (
             nothing_is_made
-            and self.scene_feed.is_idle
-            and self.plot_feed.is_idle
-            and self.stray_feed.is_idle
+            and self.filing.is_idle
+            and not self.selection.busy
+            and all(part.is_idle for part in (self.editor, self.select_tools, *self._feeds))
             and self._is_drawn()
         )
 
@@ -203,13 +236,7 @@ class MainWindow(QMainWindow):
     # --- Following ------------------------------------------------------------------------------------------
 
     def _note_opened(self) -> None:
-        files = self.document.scans
         self.trouble = None
-        if self._remembers:
-            self.settings.remember_opened(files)
-            self.welcome.set_recent(self.settings.recent)
-        more = f" and {len(files) - 1} more" if len(files) > 1 else ""
-        self.setWindowTitle(f"{files[0].name}{more} – Stepfield")
         assert self.document.answer is not None
         for warning in self.document.answer.result.scan.warnings:
             self.message_bar.tell("warning", advice(warning))
@@ -222,8 +249,11 @@ class MainWindow(QMainWindow):
         self.actions_.enable(is_open)
         if is_open:
             self.trio.setFocus()
-        else:
-            self.setWindowTitle("Stepfield")
+
+    def _show_layers(self) -> None:
+        visible = self.layers.visible_layers()
+        self.scene_feed.set_visible(visible)
+        self.selection_feed.set_visible(visible)
 
     def _show_cleaning(self, is_wanted: bool) -> None:
         """Bring the numbers of the crop box to the front while it is worked on."""
@@ -237,8 +267,12 @@ class MainWindow(QMainWindow):
             self.profile,
             self.histogram,
             self.layers,
+            self.moves,
+            self.marks,
+            self.mark_box,
             self.message_bar,
             self.crop_tool,
+            self.select_tools,
         ):
             part.set_theme(theme)
         self.scene_feed.set_theme(theme)
@@ -250,14 +284,16 @@ class MainWindow(QMainWindow):
 
     def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
         """Stop everything; no process and no thread is left."""
+        if not self.filing.may_close():
+            event.ignore()
+            return
         if self._remembers:
             docks.remember(self, self.settings)
         for dialog in self.findChildren(QDialog):
             dialog.done(QDialog.DialogCode.Rejected)  # a signal closes the window under an open dialog
-        self.demo_feed.close()
-        self.plot_feed.close()
-        self.stray_feed.close()
-        self.scene_feed.close()
+        for part in (self.demo_feed, *self._feeds, self.select_tools, self.editor, self.selection):
+            part.close()
+        self.filing.close()
         self.document.close()
         self.client.close()
         super().closeEvent(event)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stepfield.parameters import Parameters
-from stepfield.project import LayerStyle, Move
+from stepfield.project import LayerStyle, Move, Project
 from stepfield.reconstruction import Reconstruction
 
 DEFAULTS = Parameters()
@@ -41,3 +41,14 @@ class Answer:
     request: Request
     result: Reconstruction
     seconds: float
+
+
+def paths_of(project: Project) -> tuple[Path, ...]:
+    """Where the scans of an open project are."""
+    return tuple(Path(scan.path) for scan in project.scans)
+
+
+def request_for(project: Project) -> Request:
+    """Return the request whose answer shows a project: of styles, only names take part in the method."""
+    named = tuple(LayerStyle(index=style.index, name=style.name) for style in project.layers if style.name)
+    return Request(paths_of(project), project.parameters, project.moves, named)

@@ -64,6 +64,11 @@ LAYER_COLOURS = (
 )
 UNASSIGNED_COLOUR = "#8a8f98"
 
+#: Outlines show on every colour and in both themes: light ones, of a selection or of a place that is pointed
+#: out, with something dark around them.
+OUTLINES = {"selection": "#ffffff", "place": "#ff66f5"}
+HALO = "#101216"
+
 #: Ramps by what they show: names of cmap's catalogue, and where in them to begin. The darkest tenth of batlow
 #: would vanish on a dark ground.
 RAMPS = {"height": ("crameri:batlow", 0.1), "intensity": ("gray", 0.0), "error": ("crameri:vik", 0.0)}

@@ -21,6 +21,10 @@ class StackError(StepfieldError):
     """A stack of height-maps cannot be written, or is not whole."""
 
 
+class TargetError(StepfieldError):
+    """A simulator's files cannot hold a stack, or not as asked."""
+
+
 class ProjectError(StepfieldError):
     """A project file cannot be read or written."""
 

@@ -2,42 +2,26 @@
 
 A pillar follows a move when more than half of its compartment lies within the move's rectangles and its
 elevation span overlaps theirs; so edits survive another cell size or tolerance. What no longer resolves is
-reported with its reason and kept in the project, to be tried again at the next run.
+reported with its reason and kept in the project, to be tried again at the next run. One move more, one
+undone or one redone costs what that move touches.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepfield.grid import Grid
+from stepfield.changes import Change, State, change_of, renumbered
+from stepfield.changes import Outcome as Outcome
 from stepfield.layers import UNASSIGNED, Layering
 from stepfield.pillars import StepField
-from stepfield.project import ExistingLayer, Move, NewLayer
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
-#: Metres by which places written to a file and read again may differ.
-ROUNDING = 1e-6
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of one move."""
-
-    moved: int = 0
-    swapped: int = 0
-    left: int = 0  # found their place taken and stayed where they were
-    reason: str = ""  # why nothing could be done; empty when the move resolved
-
-    @property
-    def resolved(self) -> bool:
-        """Whether the move found its pillars and its layer."""
-        return not self.reason
+from stepfield.places import pillars_in as pillars_in
+from stepfield.progress import Progress, silent
+from stepfield.project import Move
 
 
 @dataclass(frozen=True)
@@ -58,8 +42,88 @@ class Edited:
     outcomes: tuple[Outcome, ...]
 
 
+@dataclass(frozen=True)
+class Step:
+    """A move that was applied, and what is needed to take it back.
+
+    Attributes
+    ----------
+    move : Move
+    outcome : Outcome
+    pillars, layers : ndarray of shape (n,)
+        The pillars it changed and the layers they were in, in as few bytes as will do.
+    numbers : tuple of int
+        As in :class:`Change`.
+    count : int
+    made : dict of int to str
+        Of the layering before.
+    """
+
+    move: Move
+    outcome: Outcome
+    pillars: NDArray[Any]
+    layers: NDArray[Any]
+    numbers: tuple[int, ...]
+    count: int
+    made: dict[int, str]
+
+
+class Replay:
+    """The moves of a project on one automatic layering. Remembers the last ones; for one thread at a time.
+
+    Parameters
+    ----------
+    field : StepField
+    automatic : Layering
+    """
+
+    def __init__(self, field: StepField, automatic: Layering) -> None:
+        self._automatic = automatic
+        self._state = State(field, automatic.layer.copy(), automatic.count, {})
+        self._steps: list[Step] = []
+
+    def edited(self, moves: Sequence[Move], progress: Progress = silent) -> Edited:
+        """Apply a sequence of moves instead of the last one.
+
+        What both begin with stays; the rest of the last one is taken back. The result is that of applying
+        all of them to the automatic layering.
+        """
+        kept = self._shared_with(moves)
+        while len(self._steps) > kept:
+            self._take_back(self._steps.pop())
+        for nth, move in enumerate(moves[kept:], start=kept):
+            progress(nth / len(moves), "applying moves")
+            self._steps.append(self._applied(move))
+        layer = self._state.layer.copy()
+        layer.flags.writeable = False
+        layering = replace(self._automatic, layer=layer, count=self._state.count)
+        return Edited(layering, dict(self._state.made), tuple(step.outcome for step in self._steps))
+
+    def _shared_with(self, moves: Sequence[Move]) -> int:
+        """Count the moves at the beginning that are those of the last sequence."""
+        pairs = zip(self._steps, moves, strict=False)
+        other = (n for n, (step, move) in enumerate(pairs) if step.move is not move and step.move != move)
+        return next(other, min(len(self._steps), len(moves)))
+
+    def _applied(self, move: Move) -> Step:
+        state, change = self._state, change_of(self._state, move)
+        # Thousands of steps are kept: bytes count.
+        pillars = change.pillars.astype(np.min_scalar_type(len(state.field)))
+        before = state.layer[change.pillars].astype(np.min_scalar_type(-state.count - 1))
+        state.layer[change.pillars] = change.layers
+        _renumber(state.layer, change.numbers)
+        self._state = _after(state, change)
+        return Step(move, change.outcome, pillars, before, change.numbers, state.count, state.made)
+
+    def _take_back(self, step: Step) -> None:
+        layer, vanished = self._state.layer, step.numbers.count(UNASSIGNED)
+        _renumber(layer, tuple(np.argsort(step.numbers)[vanished:].tolist()))
+        layer[step.pillars] = step.layers
+        self._state = replace(self._state, count=step.count, made=step.made)
+
+
 def apply_moves(field: StepField, layering: Layering, moves: Sequence[Move]) -> Edited:
-    """Apply moves in order; they never renumber the layers.
+    """Apply moves in order.
 
     Parameters
     ----------
@@ -68,126 +132,21 @@ def apply_moves(field: StepField, layering: Layering, moves: Sequence[Move]) -> 
         The automatic one.
     moves : sequence of Move
     """
-    layer, count = layering.layer.copy(), layering.count
-    names: dict[int, str] = {}
-    outcomes = []
-    for move in moves:
-        following = pillars_in(field, move.boxes(), one_only=move.to != "unassigned")
-        if not len(following):
-            outcomes.append(Outcome(reason="no pillar is where the moved ones were"))
-            continue
-        target = _target(move, layer, count, names, field)
-        if target is None:
-            outcomes.append(Outcome(reason="there is no layer left to move to"))
-            continue
-        count = max(count, target + 1)
-        outcomes.append(_put(layer, following, target, field, swap=move.conflict == "swap"))
-    layer.flags.writeable = False
-    return Edited(replace(layering, layer=layer, count=count), names, tuple(outcomes))
+    return Replay(field, layering).edited(moves)
 
 
-def _target(move: Move, layer: Integers, count: int, names: dict[int, str], field: StepField) -> int | None:
-    """Find the layer a move goes to; a new one is the next number, None if there is none to go to."""
-    match move.to:
-        case "unassigned":
-            return UNASSIGNED
-        case NewLayer(new=name):
-            known = [number for number, made in names.items() if made == name]
-            if not known:
-                names[count] = name
-            return known[0] if known else count
-        case ExistingLayer(layer=number, of=of) if number < of == count:
-            return number
-        case ExistingLayer(elevation=elevation):
-            averages = Layering(layer, count).averages(field.elevation) + field.compartments.lowest
-            if np.isnan(averages).all():
-                return None
-            return int(np.nanargmin(np.abs(averages - elevation)))
+def _renumber(layer: NDArray[np.int64], numbers: tuple[int, ...]) -> None:
+    """Give all pillars the new number of their layer, in place."""
+    if numbers:
+        layer[:] = np.array([*numbers, UNASSIGNED])[layer]  # -1 finds the last entry
 
 
-def _put(layer: Integers, following: Integers, target: int, field: StepField, *, swap: bool) -> Outcome:
-    """Put pillars into a layer, keeping one pillar a compartment a layer."""
-    movers = following[layer[following] != target]
-    if target == UNASSIGNED:
-        layer[movers] = UNASSIGNED
-        return Outcome(moved=len(movers))
-    present = np.flatnonzero(layer == target)
-    place = np.searchsorted(field.compartment[present], field.compartment[movers])
-    place = np.minimum(place, max(len(present) - 1, 0))
-    taken = np.zeros(len(movers), bool)
-    if len(present):
-        taken = field.compartment[present[place]] == field.compartment[movers]
-    if swap:
-        layer[present[place[taken]]] = layer[movers[taken]]
-    else:
-        movers = movers[~taken]
-    layer[movers] = target
-    in_the_way = int(np.count_nonzero(taken))
-    return Outcome(len(movers), swapped=in_the_way if swap else 0, left=0 if swap else in_the_way)
-
-
-def pillars_in(field: StepField, boxes: Floats, *, one_only: bool) -> Integers:
-    """Indices of the pillars that follow a move of ``boxes``, ascending.
-
-    Parameters
-    ----------
-    field : StepField
-    boxes : ndarray of shape (B, 6)
-        x0, y0, x1, y1, z_low, z_high in scan coordinates, metres.
-    one_only : bool
-        Keep one pillar a compartment, the most overlapping one: two cannot go to the same layer.
-    """
-    grid, lowest = field.compartments.grid, field.compartments.lowest
-    box, compartment, area = _covered(grid, boxes)
-    box, pillar, area = _stacked(field, box, compartment, area)
-    low, high = boxes[box, 4] - lowest, boxes[box, 5] - lowest
-    overlap = np.minimum(high, field.high[pillar]) - np.maximum(low, field.low[pillar])
-    meets = overlap >= -ROUNDING
-    box, pillar, area, overlap = box[meets], pillar[meets], area[meets], overlap[meets]
-    # A rectangle speaks for one pillar of a compartment: the one its elevation span overlaps most.
-    order = np.lexsort((pillar, -overlap, field.compartment[pillar], box))
-    spoken = order[_leads(box[order], field.compartment[pillar[order]])]
-    share = np.bincount(pillar[spoken], area[spoken], minlength=len(field)) / grid.cell_size**2
-    depth = np.bincount(pillar[spoken], overlap[spoken], minlength=len(field))
-    following = np.flatnonzero(share > 0.5 + ROUNDING)
-    if one_only:
-        order = np.lexsort((following, -depth[following], field.compartment[following]))
-        following = np.sort(following[order[_leads(field.compartment[following[order]])]])
-    return following
-
-
-def _leads(*keys: Integers) -> NDArray[np.bool_]:
-    """Mask of the first of each run of equal keys."""
-    changes = [np.diff(key, prepend=-1) != 0 for key in keys]
-    leads: NDArray[np.bool_] = np.logical_or.reduce(changes)
-    return leads
-
-
-def _covered(grid: Grid, boxes: Floats) -> tuple[Integers, Integers, Floats]:
-    """Pairs of box and compartment that share area: box index, compartment number, square metres."""
-    edge = boxes[:, :4] - [grid.west, grid.south, grid.west, grid.south]
-    first = np.floor(edge[:, :2] / grid.cell_size + ROUNDING).astype(np.int64)
-    last = np.ceil(edge[:, 2:] / grid.cell_size - ROUNDING).astype(np.int64) - 1
-    limit = np.array([grid.columns, grid.rows]) - 1
-    first, last = np.maximum(first, 0), np.minimum(last, limit)
-    wide, deep = np.maximum(last - first + 1, 0).T
-    box = np.repeat(np.arange(len(boxes)), wide * deep)
-    nth = np.arange(len(box)) - np.repeat(np.cumsum(wide * deep) - wide * deep, wide * deep)
-    column = first[box, 0] + nth % wide[box]
-    north = first[box, 1] + nth // wide[box]
-    side = grid.cell_size
-    across = np.minimum(edge[box, 2], (column + 1) * side) - np.maximum(edge[box, 0], column * side)
-    along = np.minimum(edge[box, 3], (north + 1) * side) - np.maximum(edge[box, 1], north * side)
-    return box, (grid.rows - 1 - north) * grid.columns + column, np.maximum(across * along, 0)
-
-
-def _stacked(
-    field: StepField, box: Integers, compartment: Integers, area: Floats
-) -> tuple[Integers, Integers, Floats]:
-    """Pair every box with all the pillars of the compartments it covers."""
-    occupied = field.compartments.occupied
-    place = np.minimum(np.searchsorted(occupied, compartment), len(occupied) - 1)
-    held = np.where(occupied[place] == compartment, np.diff(field.first)[place], 0)
-    repeated = np.repeat(np.arange(len(box)), held)
-    nth = np.arange(len(repeated)) - np.repeat(np.cumsum(held) - held, held)
-    return box[repeated], field.first[place[repeated]] + nth, area[repeated]
+def _after(state: State, change: Change) -> State:
+    """Return the state with other layers, the same ``layer`` array in it."""
+    made, count = state.made, state.count
+    if change.made is not None:
+        made, count = made | {count: change.made}, count + 1
+    if change.numbers:
+        numbers = change.numbers
+        made = {renumbered(n, numbers): name for n, name in made.items() if numbers[n] != UNASSIGNED}
+    return replace(state, count=count - change.numbers.count(UNASSIGNED), made=made)

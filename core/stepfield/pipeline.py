@@ -22,7 +22,7 @@ from stepfield.errors import ParameterError
 from stepfield.heightmap import Frame
 from stepfield.layers import UNASSIGNED, Layering, classify
 from stepfield.links import Links
-from stepfield.moves import Edited, apply_moves
+from stepfield.moves import Edited, Replay
 from stepfield.parameters import Parameters
 from stepfield.pillars import StepField, build_pillars
 from stepfield.progress import Progress, part, silent
@@ -98,9 +98,7 @@ class Pipeline:
         field = self._step_field(points, parameters, part(progress, 0.55, 0.85))
         progress(0.85, "classifying pillars")
         automatic = self._classified(field, parameters, share)
-        edited = self._once(
-            "moves", automatic, (tuple(moves),), lambda: apply_moves(field.made, automatic.made, moves)
-        )
+        edited = self._edited(field, automatic, moves, part(progress, 0.85, 0.95))
         links = self._linked(field, edited, parameters)
         members = self._once("members", edited, (), lambda: members_of(field.made, edited.made.layering)).made
         alpha = _metres(parameters.alpha)
@@ -115,6 +113,7 @@ class Pipeline:
             linked=links,
             outcomes=edited.made.outcomes,
             layers=layers_of(members, alpha, parameters, names),
+            made=edited.made.names,
             base_elevation=field.made.compartments.lowest - alpha,
             max_height=alpha + max(member.greatest for member in members),
             frame=Frame.around(field.made.compartments.grid, parameters.pad),
@@ -211,6 +210,13 @@ class Pipeline:
                 f"lower min_points or enlarge the cell size"
             )
         return classified
+
+    def _edited(
+        self, field: Stage[StepField], automatic: Stage[Layering], moves: Sequence[Move], progress: Progress
+    ) -> Stage[Edited]:
+        """Apply the moves, or only what is new of them."""
+        replay = self._once("replay", automatic, (), lambda: Replay(field.made, automatic.made))
+        return self._once("moves", replay, (tuple(moves),), lambda: replay.made.edited(moves, progress))
 
     def _linked(self, field: Stage[StepField], edited: Stage[Edited], parameters: Parameters) -> Links:
         """Links among the exported pillars; they outlive moves between layers."""

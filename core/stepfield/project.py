@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from stepfield.boxes import Boxes
 from stepfield.document import Document
 from stepfield.errors import ProjectError, StepfieldError
 from stepfield.files import write_atomically
@@ -18,8 +18,9 @@ from stepfield.parameters import Coordinate, Frozen, Parameters
 
 VERSION: Literal[1] = 1
 
-#: x0, y0, x1, y1 of a compartment and the lowest and highest elevation of the pillar in it, in metres.
-PillarBox = tuple[Coordinate, Coordinate, Coordinate, Coordinate, Coordinate, Coordinate]
+#: What happens where two pillars claim one place. swap: they change places. leave: the present one keeps it.
+#: fewest: the one of fewer points (ties: the higher) becomes unassigned. exchange: of two whole layers, all.
+Conflict = Literal["swap", "leave", "fewest", "exchange"]
 
 
 class ScanFile(Frozen):
@@ -53,17 +54,37 @@ class NewLayer(Frozen):
     new: Annotated[str, Field(min_length=1)]
 
 
+AnyLayer = ExistingLayer | NewLayer
+
+
 class Move(Frozen):
-    """Some pillars put into another layer by hand, remembered by where they are in the world."""
+    """What was done by hand: some pillars, or those of a whole layer, put into another layer.
+
+    Pillars are remembered by where they are in the world. A move to a new layer of neither pillars nor a
+    layer makes it. A layer that is merged into another one (``fewest``) or removed (to ``unassigned``)
+    vanishes, and the numbers above it shift down; nothing else renumbers.
+    """
 
     text: str = ""
     to: ExistingLayer | NewLayer | Literal["unassigned"]
-    conflict: Literal["swap", "leave"] = "swap"
-    pillars: tuple[PillarBox, ...]
+    conflict: Conflict = "swap"
+    pillars: Boxes = Boxes()
+    layer: AnyLayer | None = Field(None, description="all pillars of this layer, instead of places")
+    above: Coordinate | None = Field(None, description="of that layer only those above, metres")
+
+    @model_validator(mode="after")
+    def _names_pillars_once(self) -> Self:
+        if self.layer is None and (self.above is not None or self.conflict == "exchange"):
+            raise ValueError("a layer is needed to take the pillars from")
+        if self.layer is not None and len(self.pillars):
+            raise ValueError("either pillars or a layer can be moved, not both")
+        if self.conflict == "exchange" and (self.to == "unassigned" or self.above is not None):
+            raise ValueError("only two whole layers can be exchanged")
+        return self
 
     def boxes(self) -> NDArray[np.float64]:
         """Return the places as an array of shape (N, 6), metres."""
-        return np.asarray(self.pillars, np.float64).reshape(-1, 6)
+        return self.pillars.array
 
 
 class Project(Document):
@@ -81,10 +102,13 @@ class Project(Document):
     moves: tuple[Move, ...] = ()
     view: dict[str, Any] = Field(default_factory=dict)
 
+    def content(self) -> bytes:
+        """Return the project as its file holds it: the same bytes for an equal project."""
+        return self.model_dump_json(exclude_none=True, indent=1).encode() + b"\n"
+
     def save(self, path: Path) -> None:
         """Write the project whole or not at all."""
-        text = json.dumps(self.model_dump(mode="json", exclude_none=True), ensure_ascii=False, indent=1)
-        write_atomically(path, text.encode() + b"\n", ProjectError)
+        write_atomically(path, self.content(), ProjectError)
 
     def scan_paths(self, project_file: Path) -> tuple[Path, ...]:
         """Where the scans are, as seen from the project file."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,8 @@ class Reconstruction:
         Among the exported pillars.
     outcomes : tuple of Outcome
         One a move.
+    made : dict of int to str
+        Names by which moves call the layers they made, whatever the operator calls them since.
     layers : tuple of Layer
     base_elevation : float
         Elevation of the base plane (Eq. 1), scan coordinates, metres.
@@ -86,6 +89,7 @@ class Reconstruction:
     layering: Layering
     linked: Links
     outcomes: tuple[Outcome, ...]
+    made: dict[int, str]
     layers: tuple[Layer, ...]
     base_elevation: float
     max_height: float
@@ -139,10 +143,11 @@ def layers_of(
 ) -> tuple[Layer, ...]:
     """Name the layers and say which height is white in each (5.2)."""
     shared = max(member.greatest for member in members)
+    named = all_named(len(members), names)
     return tuple(
         Layer(
             index=index,
-            name=names.get(index, f"Layer {index + 1}"),
+            name=named[index],
             pillars=member.pillars,
             elevation=member.elevation,
             alpha=alpha,
@@ -150,3 +155,14 @@ def layers_of(
         )
         for index, member in enumerate(members)
     )
+
+
+def all_named(layers: int, chosen: Mapping[int, str]) -> dict[int, str]:
+    """Name all layers: those without a name of their own by number, or by the first that is free."""
+    named = {index: name for index, name in chosen.items() if index < layers}
+    for index in range(layers):
+        default = f"Layer {index + 1}"
+        if index not in named and default not in named.values():
+            named[index] = default
+    free = (name for number in count(1) if (name := f"Layer {number}") not in named.values())
+    return named | {index: next(free) for index in range(layers) if index not in named}

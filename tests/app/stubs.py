@@ -13,7 +13,8 @@ from stepfield.parameters import Parameters
 from stepfield_app.document import Document
 from stepfield_app.feeds.scene_feed import SceneFeed
 from stepfield_app.render.camera import Camera, Size
-from stepfield_app.render.scene import EMPTY, VIEWS, Frame, Scene
+from stepfield_app.render.outline import SELECTION
+from stepfield_app.render.scene import EMPTY, VIEWS, Frame, Scene, Singles
 from stepfield_app.requests import Answer
 from stepfield_app.views.trio import Trio
 
@@ -30,6 +31,7 @@ class StubClient(QObject):
         self.scenes: dict[str, Scene] = dict.fromkeys(VIEWS, EMPTY)
         self.cameras: dict[str, tuple[Camera, Size, bool]] = {}
         self.frames: dict[str, Frame] = {}
+        self.outlines: dict[tuple[str, str], tuple[Singles | None, float]] = {}
         self.shown: tuple[str, ...] = ()
         self.background = (0, 0, 0)
 
@@ -54,6 +56,11 @@ class StubClient(QObject):
 
     def set_scene(self, view: str, scene: Scene) -> None:
         self.scenes[view] = scene
+
+    def set_outline(
+        self, view: str, segments: Singles | None, *, kind: str = SELECTION, slack: float = 0.0
+    ) -> None:
+        self.outlines[view, kind] = segments, slack
 
     def set_camera(self, view: str, camera: Camera, size: Size, moving: bool) -> None:
         self.cameras[view] = camera, size, moving

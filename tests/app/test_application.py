@@ -14,6 +14,7 @@ import pytest
 from tests.app.scenes_made import table
 
 from stepfield.errors import StepfieldError
+from stepfield.project import Project, ScanFile
 from stepfield_app import application
 from stepfield_app.render.store import MEMORY, PREFIX
 
@@ -60,7 +61,7 @@ FAIL = """
 
     def done(answer):
         print("alpha", answer.result.parameters.alpha, flush=True)
-        made[0].close()
+        made[0].filing.close_without()
 
     QTimer.singleShot(0, fail)
     QTimer.singleShot(0, look)
@@ -85,7 +86,7 @@ def started(folder: Path, act: str = "pass", *words: str) -> subprocess.Popen[st
     """Start a window with settings of its own, on no screen."""
     own = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
     own |= {"HOME": str(folder), "QT_QPA_PLATFORM": "offscreen", "QT_LOGGING_RULES": "*.debug=false"}
-    own |= {"XDG_CONFIG_HOME": str(folder / "config"), "XDG_CACHE_HOME": str(folder / "cache")}
+    own |= {f"XDG_{name}_HOME": str(folder / name.lower()) for name in ("CONFIG", "CACHE", "STATE")}
     return subprocess.Popen(
         [sys.executable, "-c", WINDOW.replace("{act}", act), *words],
         env=own,
@@ -144,6 +145,20 @@ def test_a_fault_is_shown_and_everything_lives_on(tmp_path: Path) -> None:
     assert window.returncode == 0, errors
     assert "alpha 0.9\n" in said
     assert errors.count("ZeroDivisionError: nobody thought of this") == 1
+
+
+def test_a_picture_that_cannot_be_made_is_one_sentence(tmp_path: Path) -> None:
+    """What is left of the window was once destroyed after the application: a crash behind the sentence."""
+    project = Project(scans=(ScanFile(path="absent.npy"),))
+    project.save(tmp_path / "room.stepfield")
+    words = ["view", str(tmp_path / "room.stepfield"), "--screenshot", str(tmp_path / "a.png")]
+    own = os.environ | {"HOME": str(tmp_path), "QT_QPA_PLATFORM": "offscreen"}
+    done = subprocess.run(
+        [sys.executable, "-m", "stepfield", *words], env=own, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert "absent.npy is missing; put it back" in told(done.stderr)
+    assert len(told(done.stderr).splitlines()) == 1
 
 
 def test_nowhere_to_open_a_window_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,8 +15,8 @@ from stepfield.errors import GridError, ParameterError, ScanError
 from stepfield.parameters import Parameters
 from stepfield.project import LayerStyle
 from stepfield.scan import read_scan
-from stepfield_app.document import Document, request_for
-from stepfield_app.requests import Answer
+from stepfield_app.document import Document
+from stepfield_app.requests import Answer, request_for
 from stepfield_app.runner import Runner
 
 BASE = Parameters(cell_size=0.2, layer_tolerance=0.3, alpha=0.1)

@@ -88,7 +88,7 @@ def test_hovering_tells_the_count(view: HistogramView) -> None:
 def test_another_scan_is_fitted_although_the_operator_had_zoomed(view: HistogramView) -> None:
     """The bars of the next scan could be out of sight."""
     view.set_histogram(histogram())
-    view.step(0, 3)
+    view.pane.step(0, 3)
     zoomed = view.visible
     view.set_histogram(histogram(levels=()))
     assert view.visible == zoomed

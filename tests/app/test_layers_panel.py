@@ -17,9 +17,9 @@ from stepfield.parameters import Parameters
 from stepfield.pipeline import Pipeline
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.document import Document
-from stepfield_app.panels.layer_row import RowLayout
 from stepfield_app.panels.layers import LayersPanel
 from stepfield_app.panels.layers_model import Role
+from stepfield_app.panels.row_layout import RowLayout
 from stepfield_app.panels.summary import LayerSummary, summaries
 from stepfield_app.theme import LIGHT, UNASSIGNED_COLOUR, layer_colour
 

@@ -91,7 +91,7 @@ def made(folder: Path, appearance: Appearance) -> MainWindow:
 
 
 def discarded(window: MainWindow) -> None:
-    window.close()
+    window.filing.close_without()
     window.deleteLater()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
@@ -137,6 +137,7 @@ def own(qtbot: QtBot, tmp_path: Path, appearance: Appearance) -> Iterator[MainWi
 
 
 def open_in(window: MainWindow, qtbot: QtBot, *files: Path) -> MainWindow:
+    window.document.file.give_up()  # no question about earlier edits
     with qtbot.waitSignal(window.document.opened, timeout=LIMIT):
         window.open_scans(files, BASE)
     qtbot.waitUntil(window.is_settled, timeout=LIMIT)
@@ -511,10 +512,10 @@ def test_escape_leaves_the_tool(opened: MainWindow) -> None:
     crop = opened.actions_["crop"]
     crop.trigger()
     assert opened.cleaning.crop.tool.isChecked()
-    assert opened.trio.canvases[CLOUD].tool is opened.crop_tool
+    assert opened.trio.canvases[CLOUD].grip.tool is opened.crop_tool
     QTest.keyClick(opened, Qt.Key.Key_Escape)
     assert not crop.isChecked()
-    assert opened.trio.canvases[CLOUD].tool is None
+    assert opened.trio.canvases[CLOUD].grip.tool is None
     opened.actions_["profile line"].trigger()
     assert opened.map.plot.is_drawing
     QTest.keyClick(opened, Qt.Key.Key_Escape)
@@ -536,7 +537,7 @@ def test_f_in_a_plot_fits_the_plot(opened: MainWindow) -> None:
     camera = opened.trio.viewpoint.camera.zoomed(5)
     opened.trio.viewpoint.look(camera)
     opened.map.plot.setFocus()
-    opened.map.plot.step(1, 0)
+    opened.map.plot.pane.step(1, 0)
     assert opened.map.plot.is_touched
     QTest.keyClick(opened.map.plot, Qt.Key.Key_F)
     assert not opened.map.plot.is_touched
@@ -631,7 +632,7 @@ def test_the_sheet_lists_every_key(opened: MainWindow, qtbot: QtBot) -> None:
     listed = {name for entries in shortcuts_of(opened).values() for name, _ in entries}
     for action in of_the_window(opened):
         if action.shortcuts():
-            name = action.text().replace("&&", "\0").replace("&", "").replace("\0", "&").rstrip("…")
+            name = action.data()  # what the menu says of it may name a step, or a layer
             assert name in listed, f"the sheet hides {name}"
     seen: list[str] = []
 
@@ -703,7 +704,7 @@ def test_closing_a_busy_window_leaves_nothing(
     workers = [worker._thread for worker in own.findChildren(NewestWins)]
     assert len(workers) >= 7
     assert all(thread is not None and thread.is_alive() for thread in workers)
-    own.close()
+    own.filing.close_without()
     assert not [widget for widget in QApplication.topLevelWidgets() if widget.isVisible()]
     assert not process or not psutil.pid_exists(process)
     assert not any(folder.exists() for folder in folders)

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QFrame, QPlainTextEdit, QPushButton, QToolButton, 
 from pytestqt.qtbot import QtBot
 
 from stepfield_app.theme import DARK, LIGHT
-from stepfield_app.views.message_bar import SHOWN, MessageBar
+from stepfield_app.views.message_bar import SHOWN, Choice, MessageBar
 
 #: Qt's platform for tests without a screen says so at every window.
 pytestmark = pytest.mark.qt_log_ignore("This plugin does not support", extend=True)
@@ -104,3 +104,25 @@ def test_another_theme_keeps_the_messages(bar: MessageBar) -> None:
     bar.tell("info", "Still here.", "details")
     bar.set_theme(LIGHT)
     assert [message.sentence for message in bar.messages] == ["Still here."]
+
+
+def test_a_message_can_be_answered_and_dismissing_it_is_the_last_answer(bar: MessageBar) -> None:
+    """If it failed, edits offered back would be neither opened nor left for later."""
+    done: list[str] = []
+    choices = [Choice(text, f"Do {text}", lambda text=text: done.append(text)) for text in ("Open", "Later")]  # type: ignore[misc]
+    bar.tell("info", "Recover?", choices=choices)
+    buttons = {button.text(): button for button in bar.findChildren(QPushButton)}
+    assert buttons["Open"].toolTip() == "Do Open"
+    buttons["Open"].click()
+    assert (done, bar.messages) == (["Open"], ())
+    bar.tell("info", "Recover?", choices=choices)
+    bar.dismiss_newest()
+    assert (done, bar.messages) == (["Open", "Later"], ())
+
+
+def test_a_question_stays_when_other_messages_are_cleared_away(bar: MessageBar) -> None:
+    """Opening a scan clears the messages: an offer to recover must outlive it."""
+    bar.tell("info", "Recover?", choices=[Choice("Later", "Not now", lambda: None)])
+    bar.tell("error", "Something is wrong.")
+    bar.dismiss_all()
+    assert [message.sentence for message in bar.messages] == ["Recover?"]

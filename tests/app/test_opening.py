@@ -17,7 +17,7 @@ from stepfield.parameters import Parameters
 from stepfield.project import Project, ScanFile
 from stepfield.scan import FORMATS, read_scan
 from stepfield_app import demo
-from stepfield_app.opening import DropTarget, ask_for_files, file_filters, openable, project_at
+from stepfield_app.opening import DropTarget, ask_for_files, file_filters, openable, work_at
 from stepfield_app.settings import Settings
 from stepfield_app.views.status import Status
 from stepfield_app.views.welcome import WelcomePage
@@ -182,7 +182,7 @@ def test_a_project_names_its_scans_from_where_it_lies(tmp_path: Path) -> None:
     Project(scans=(ScanFile(path="scans/room.ply"),), parameters=Parameters(bits=8)).save(
         tmp_path / "a.stepfield"
     )
-    project = project_at(tmp_path / "a.stepfield")
+    project = work_at(tmp_path / "a.stepfield").project
     assert project.scans[0].path == str(tmp_path / "scans" / "room.ply")
     assert project.parameters.bits == 8
 
@@ -190,4 +190,4 @@ def test_a_project_names_its_scans_from_where_it_lies(tmp_path: Path) -> None:
 def test_what_is_no_project_is_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "a.stepfield").write_text("{}")
     with pytest.raises(ProjectError, match="not a project"):
-        project_at(tmp_path / "a.stepfield")
+        work_at(tmp_path / "a.stepfield")

@@ -107,7 +107,7 @@ def test_everything_is_in_view_until_the_operator_zooms(view: ProfileView) -> No
     longer = replace(section(), end=(112.0, 216.0))
     view.set_section(longer)
     assert view.plot.visible.right > 20
-    view.plot.step(1, 0)
+    view.plot.pane.step(1, 0)
     zoomed = view.plot.visible
     view.set_section(section())
     assert view.plot.visible == zoomed

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, QTimer
 from PySide6.QtGui import QImage, QPainter, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
@@ -19,6 +19,7 @@ from stepfield_app.scenes.legend import Legend
 from stepfield_app.theme import DARK, ramp
 from stepfield_app.views import navigation
 from stepfield_app.views.overlay import Overlay
+from stepfield_app.views.tool import Cursor, Hand, Tool
 from stepfield_app.views.view3d import SENTENCES, Canvas
 from stepfield_app.views.viewpoint import Viewpoint
 
@@ -280,26 +281,26 @@ def test_hovering_tells_the_place_and_leaving_that_there_is_none(canvas: Canvas)
 
 
 def test_a_tool_takes_the_mouse_before_the_camera(canvas: Canvas) -> None:
-    class Held:
+    class Held(Tool[Canvas]):
         told: tuple[str, ...] = ()
 
-        def press(self, view: Canvas, at: QPointF) -> bool:
+        def press(self, view: Canvas, hand: Hand) -> bool:
             self.told += ("press",)
-            return at.x() > 100
+            return hand.at.x() > 100
 
-        def drag(self, view: Canvas, at: QPointF) -> None:
+        def drag(self, view: Canvas, hand: Hand) -> None:
             self.told += ("drag",)
 
-        def release(self) -> None:
+        def release(self, view: Canvas, hand: Hand) -> None:
             self.told += ("release",)
 
-        def hover(self, view: Canvas, at: QPointF) -> bool:
-            return at.x() > 100
+        def hover(self, view: Canvas, hand: Hand) -> Cursor | None:
+            return Qt.CursorShape.PointingHandCursor if hand.at.x() > 100 else None
 
         def paint(self, view: Canvas, painter: QPainter) -> None:
             self.told += ("paint",)
 
-    canvas.tool = tool = Held()
+    canvas.grip.tool = tool = Held()
     drag(canvas, LEFT, (30, 0))
     assert tuple(told for told in tool.told if told != "paint") == (
         "press",
@@ -397,7 +398,7 @@ def test_a_picture_of_older_parameters_is_marked_once_it_takes_long(
 def test_what_arrives_in_a_moment_is_not_marked(canvas: Canvas, qtbot: QtBot, said: list[str]) -> None:
     canvas.set_pending(True)
     canvas.set_pending(False)
-    assert not canvas._patience.isActive()
+    assert not any(timer.isActive() for timer in canvas._lateness.findChildren(QTimer))
     picture(canvas)
     assert not said
 

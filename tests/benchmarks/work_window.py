@@ -367,7 +367,7 @@ def watched(task: Task, report: Report) -> type[MainWindow]:
 
         def _work(self, clock: Clock) -> Iterator[Wait]:
             yield from task(self, report, clock)
-            self.close()
+            self.filing.close_without()
 
     return Watched
 

@@ -5,10 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.conftest import scan_of
+from tests.core.edited import is_one_a_place
 
 from stepfield.compartments import sort_into_compartments
-from stepfield.layers import UNASSIGNED, Layering, classify
-from stepfield.moves import apply_moves
+from stepfield.errors import Cancelled
+from stepfield.layers import UNASSIGNED, classify
+from stepfield.moves import Replay, apply_moves
 from stepfield.pillars import StepField, build_pillars
 from stepfield.project import ExistingLayer, Move, NewLayer
 
@@ -29,18 +31,16 @@ def field_at(cell: float) -> StepField:
 
 
 def move(field: StepField, pillars: np.ndarray, to: object, conflict: str = "swap") -> Move:
-    boxes = tuple(tuple(box) for box in field.boxes(pillars).tolist())
+    boxes = field.boxes(pillars)
     return Move.model_validate({"text": "test", "to": to, "conflict": conflict, "pillars": boxes})
+
+
+def of_layer(layer: object, to: object, conflict: str = "swap", above: float | None = None) -> Move:
+    return Move.model_validate({"layer": layer, "to": to, "conflict": conflict, "above": above})
 
 
 def to_layer(layer: int, of: int = 3, elevation: float = 0.0) -> dict[str, object]:
     return {"layer": layer, "of": of, "elevation": elevation}
-
-
-def one_pillar_a_place(field: StepField, layering: Layering) -> bool:
-    assigned = layering.layer >= 0
-    places = np.c_[field.compartment[assigned], layering.layer[assigned]]
-    return len(np.unique(places, axis=0)) == len(places)
 
 
 def test_swap_exchanges_the_two_pillars_and_swapping_back_restores_everything() -> None:
@@ -140,10 +140,147 @@ def test_no_sequence_of_moves_puts_two_pillars_in_one_place(data: st.DataObject)
         )
         moves.append(move(field, np.array(chosen), target, data.draw(st.sampled_from(["swap", "leave"]))))
     after = apply_moves(field, layering, moves)
-    assert one_pillar_a_place(field, after.layering)
+    assert is_one_a_place(field, after.layering)
     assert len(after.layering.layer) == len(field)
 
 
 def test_existing_layer_is_told_from_a_new_one() -> None:
     assert isinstance(move(field_at(0.4), np.array([0]), to_layer(1)).to, ExistingLayer)
     assert isinstance(move(field_at(0.4), np.array([0]), {"new": "x"}).to, NewLayer)
+
+
+def test_a_merged_layer_vanishes_and_those_above_it_move_down() -> None:
+    field = field_at(0.25)
+    before = classify(field)
+    after = apply_moves(field, before, [of_layer(to_layer(0), to_layer(1), "fewest")])
+    assert after.layering.count == 2
+    assert np.array_equal(after.layering.layer == 1, before.layer == 2)
+    (outcome,) = after.outcomes
+    both = np.count_nonzero((before.layer == 0) | (before.layer == 1))
+    assert len(after.layering.members(0)) == both - outcome.unassigned
+    assert after.layering.unassigned == before.unassigned + outcome.unassigned
+
+
+def test_removed_pillars_are_unassigned_and_layers_made_by_hand_keep_their_names() -> None:
+    field = field_at(0.25)
+    before = classify(field)
+    moves = [move(field, before.members(2)[:5], {"new": "Shelf"}), of_layer(to_layer(0, of=4), "unassigned")]
+    after = apply_moves(field, before, moves)
+    assert after.names == {2: "Shelf"}
+    assert after.outcomes[1].unassigned == np.count_nonzero(before.layer == 0)
+    again = apply_moves(field, before, [*moves, move(field, before.members(2)[5:9], {"new": "Shelf"})])
+    assert len(again.layering.members(2)) == 9
+
+
+def test_exchanged_layers_take_their_names_along() -> None:
+    field = field_at(0.25)
+    before = classify(field)
+    moves = [
+        move(field, before.members(2)[:5], {"new": "Shelf"}),
+        of_layer({"new": "Shelf"}, to_layer(0, of=4), "exchange"),
+    ]
+    after = apply_moves(field, before, moves)
+    assert after.names == {0: "Shelf"}
+    assert np.array_equal(after.layering.members(3), before.members(0))
+    assert np.array_equal(after.layering.members(0), before.members(2)[:5])
+
+
+def test_a_move_of_neither_pillars_nor_a_layer_makes_an_empty_layer_once() -> None:
+    field = field_at(0.25)
+    before = classify(field)
+    after = apply_moves(field, before, [Move(to=NewLayer(new="Shelf"))] * 2)
+    assert (after.layering.count, after.names) == (4, {3: "Shelf"})
+    assert all(outcome.resolved for outcome in after.outcomes)
+
+
+@pytest.mark.parametrize(
+    ("moves", "reason"),
+    [
+        ([of_layer({"new": "Gone"}, "unassigned")], "the layer to take the pillars from is not there"),
+        ([of_layer(to_layer(0, of=9, elevation=0.8), to_layer(1), "fewest")], "the two layers have become"),
+        ([of_layer(to_layer(0), {"new": "x"}, above=9.0)], "no pillar of the layer lies above 9 m"),
+        ([of_layer(to_layer(0, of=of), "unassigned") for of in (3, 2, 1)], "the last layer has to stay"),
+    ],
+)
+def test_an_operation_on_layers_that_does_not_resolve_changes_nothing(moves: list[Move], reason: str) -> None:
+    field = field_at(0.25)
+    *_, last = apply_moves(field, classify(field), moves).outcomes
+    assert last.reason.startswith(reason)
+    done = apply_moves(field, classify(field), moves[:-1]).layering
+    after = apply_moves(field, classify(field), moves).layering
+    assert (after.count, after.layer.tolist()) == (done.count, done.layer.tolist())
+
+
+def any_move(field: StepField, rng: np.random.Generator) -> Move:
+    """Draw a move of any kind, resolvable or not."""
+    one, other = (
+        to_layer(int(rng.integers(0, 5)), int(rng.integers(1, 6)), float(rng.random() * 2)) for _ in range(2)
+    )
+    match rng.integers(0, 8):
+        case 0:
+            return of_layer(one, other, "fewest")
+        case 1:
+            return of_layer(one, other, "exchange")
+        case 2:
+            return of_layer(one, "unassigned")
+        case 3:
+            return of_layer(one, {"new": str(rng.integers(3))}, above=float(rng.random()))
+        case 4:
+            return Move(to=NewLayer(new=str(rng.integers(3))))
+    target = [one, "unassigned", {"new": str(rng.integers(3))}][rng.integers(3)]
+    conflict = ["swap", "leave", "fewest"][rng.integers(3)]
+    return move(field, np.flatnonzero(rng.random(len(field)) < 0.2), target, conflict)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 15))
+def test_a_replay_that_went_back_and_forth_is_as_if_all_were_applied_at_once(seed: int, steps: int) -> None:
+    """Undo, redo, edits taken out of the middle: the file holds the moves only, so no history may show."""
+    field, rng = field_at(0.5), np.random.default_rng(seed)
+    automatic = classify(field)
+    replay = Replay(field, automatic)
+    moves: list[Move] = []
+    undone: list[Move] = []
+    for _ in range(steps):
+        match rng.integers(0, 6):
+            case 0 if moves:
+                undone.append(moves.pop())
+            case 1 if undone:
+                moves.append(undone.pop())
+            case 2 if moves:
+                del moves[rng.integers(len(moves))]
+            case _:
+                moves.append(any_move(field, rng))
+        edited, fresh = replay.edited(moves), apply_moves(field, automatic, moves)
+        assert edited.layering.layer.tobytes() == fresh.layering.layer.tobytes()
+        assert (edited.layering.count, edited.names) == (fresh.layering.count, fresh.names)
+        assert edited.outcomes == fresh.outcomes
+        assert is_one_a_place(field, edited.layering)
+    assert np.array_equal(replay.edited([]).layering.layer, automatic.layer)
+
+
+def test_a_result_does_not_change_when_the_replay_goes_on() -> None:
+    field = field_at(0.25)
+    before = classify(field)
+    replay = Replay(field, before)
+    first = replay.edited([move(field, before.members(2)[:5], to_layer(1))])
+    layer = first.layering.layer.copy()
+    replay.edited([])
+    assert np.array_equal(first.layering.layer, layer)
+    assert not first.layering.layer.flags.writeable
+
+
+def test_a_replay_that_was_stopped_goes_on_where_it_was() -> None:
+    field = field_at(0.25)
+    before = classify(field)
+    moves = [move(field, before.members(2)[n : n + 5], to_layer(1)) for n in range(0, 25, 5)]
+    replay = Replay(field, before)
+
+    def stop(share: float, what: str) -> None:
+        if share > 0.5:
+            raise Cancelled
+
+    with pytest.raises(Cancelled):
+        replay.edited(moves, stop)
+    fresh = apply_moves(field, before, moves)
+    assert np.array_equal(replay.edited(moves).layering.layer, fresh.layering.layer)

@@ -2,13 +2,17 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
+from stepfield.boxes import Boxes
 from stepfield.errors import ParameterError, ProjectError
 from stepfield.parameters import Parameters
-from stepfield.project import ExistingLayer, LayerStyle, Move, Project, ScanFile
+from stepfield.project import ExistingLayer, LayerStyle, Move, NewLayer, Project, ScanFile
 
+SAMPLES = Path(__file__).parent / "samples"
 PROJECT = Project(
     scans=(ScanFile(path="scan.ply", sha256="ab"),),
     parameters=Parameters(cell_size=0.1, crop=(0, 0, 0, 1, 1, 1), classes=(6, 2)),
@@ -20,13 +24,62 @@ PROJECT = Project(
             pillars=((600000.1, 5400000.2, 600000.2, 5400000.3, 0.1, 0.30000000000000004),),
         ),
         Move(to="unassigned", conflict="leave", pillars=()),
+        Move(to=NewLayer(new="Shelf"), layer=ExistingLayer(layer=0, of=3, elevation=0.5), above=0.75),
+        Move(to=ExistingLayer(layer=0, of=3, elevation=0), layer=NewLayer(new="Shelf"), conflict="fewest"),
     ),
 )
+
+
+A_LAYER = '{"layer": 0, "of": 2, "elevation": 0}'
+
+
+def moved(rest: str) -> str:
+    """Return the text of a project of one move."""
+    return '{"format": "stepfield-project", "moves": [{"to": "unassigned", ' + rest + "}]}"
 
 
 def test_a_project_comes_back_equal_to_the_last_digit(tmp_path: Path) -> None:
     PROJECT.save(tmp_path / "a.stepfield")
     assert Project.read(tmp_path / "a.stepfield") == PROJECT
+
+
+def test_an_equal_project_is_the_same_bytes(tmp_path: Path) -> None:
+    PROJECT.save(tmp_path / "a.stepfield")
+    Project.read(tmp_path / "a.stepfield").save(tmp_path / "b.stepfield")
+    assert (tmp_path / "a.stepfield").read_bytes() == (tmp_path / "b.stepfield").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["version_1_first.stepfield", "version_1.stepfield"])
+def test_projects_of_the_past_keep_loading(name: str) -> None:
+    """The first was written before layers could be merged, split, exchanged or removed."""
+    project = Project.read(SAMPLES / name)
+    assert project.layers == (LayerStyle(index=1, name='Tisch "β"', locked=True),)
+    first, second = project.moves[:2]
+    assert first == PROJECT.moves[0]
+    assert (second.to, second.conflict, len(second.pillars)) == ("unassigned", "leave", 0)
+    if name == "version_1.stepfield":
+        assert project == PROJECT
+
+
+def test_boxes_are_equal_by_value_and_can_not_be_changed() -> None:
+    """A history holds them many times over: what is shared must never change."""
+    rows = np.arange(12.0).reshape(2, 6)
+    one, other = Boxes(rows), Boxes(rows.tolist())
+    rows[0, 0] = 99
+    assert one == other
+    assert hash(one) == hash(other)
+    assert one != Boxes(rows)
+    assert one.array[0, 0] == 0
+    with pytest.raises(ValueError, match="read-only"):
+        one.array[0, 0] = 1
+    assert Boxes(one.array).array is one.array
+    assert np.asarray(one).shape == one.shape == (len(one), 6)
+
+
+@pytest.mark.parametrize("rows", [[[1]], [[]], "six", None, [[[1, 2, 3, 4, 5, 6]]], [1, 2, 3, 4, 5, 6]])
+def test_what_is_no_box_is_refused(rows: Any) -> None:
+    with pytest.raises(ValueError, match="six numbers"):
+        Boxes(rows)
 
 
 def test_a_missing_parameter_takes_its_default(tmp_path: Path) -> None:
@@ -49,6 +102,13 @@ def test_a_missing_parameter_takes_its_default(tmp_path: Path) -> None:
             '{"format": "stepfield-project", "moves": [{"to": "unassigned", "pillars": [[1]]}]}',
             "moves.0.pillars",
         ),
+        (moved('"pillars": [[1, 2, 3, 4, 5, Infinity]]'), "moves.0.pillars"),
+        (moved('"pillars": [[1, 2, 3, 4, 5, null]]'), "moves.0.pillars"),
+        (moved('"pillars": {}'), "moves.0.pillars"),
+        (moved('"above": 1.0'), "a layer is needed"),
+        (moved('"conflict": "exchange"'), "a layer is needed"),
+        (moved(f'"layer": {A_LAYER}, "pillars": [[0, 0, 1, 1, 0, 1]]'), "not both"),
+        (moved(f'"layer": {A_LAYER}, "conflict": "exchange"'), "only two whole layers"),
     ],
 )
 def test_a_damaged_project_is_one_sentence(tmp_path: Path, text: str, sentence: str) -> None:

@@ -87,7 +87,7 @@ def steps(window: MainWindow, source: Source, folder: Path, report: dict[str, An
     yield from cut_and_crop(window, folder, report)
     yield from lose_the_drawing(window, report)
     yield from export(window, folder, report)
-    window.close()
+    window.filing.close_without()
 
 
 def slide_all(window: MainWindow, report: dict[str, Any]) -> Iterator[Wait]:
@@ -136,7 +136,7 @@ def cut_and_crop(window: MainWindow, folder: Path, report: dict[str, Any]) -> It
     yield "the profile", lambda: plot.line is not None and window.is_settled() and not pressed()
     report["profile"] = window.profile.section is not None and window.profile.section.total
     xdotool("key", "Escape", "key", "ctrl+alt+0", "key", "c")
-    yield "the crop box", lambda: window.trio.canvases["cloud"].tool is not None and window.is_settled()
+    yield "the crop box", lambda: window.trio.canvases["cloud"].grip.tool is not None and window.is_settled()
     canvas = window.trio.canvases["cloud"]
     handle = window.crop_tool.place_of(canvas, (1, 0, 0))
     inside = window.crop_tool.place_of(canvas, (0, 0, 0))

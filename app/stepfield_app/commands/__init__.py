@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stepfield_app.actions import Actions
-from stepfield_app.commands import edit, file, help, tools, view
+from stepfield_app.commands import edit, file, help, layers, select, tools, view
 
 if TYPE_CHECKING:
     from stepfield_app.main_window import MainWindow
@@ -17,13 +17,17 @@ def make(window: MainWindow) -> Actions:
     file.make(actions, window)
     edit.make(actions, window)
     view.make(actions, window)
+    layers.make(actions, window)
     tools.make(actions, window)
+    select.make(actions, window)
     help.make(actions, window)
     file.fill(actions, window)
     edit.fill(actions)
     view.fill(actions, window)
+    layers.fill(actions)
     tools.fill(actions)
     help.fill(actions)
-    actions.toolbar("Main", ["open", "export", None, "undo", "redo", None, "crop", "profile line", None])
+    actions.toolbar("Main", ["open", "save", "export", None, "undo", "redo", None])
+    actions.toolbar("Tools", [*select.TOOLS, None, "crop", "profile line", None])
     actions.toolbar("View", ["iso", "top", "front", "side", "fit", "parallel"])
     return actions

@@ -6,6 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from stepfield_app.actions import Actions, Keys
+from stepfield_app.commands import select
 
 if TYPE_CHECKING:
     from stepfield_app.main_window import MainWindow
@@ -34,4 +35,5 @@ def _name_step(action: object, verb: str, step: str) -> None:
 
 def fill(actions: Actions) -> None:
     """Fill the menu."""
-    actions.menu("&Edit", ["undo", "redo"])
+    edit = actions.menu("&Edit", ["undo", "redo", None, *select.EDIT])
+    actions.fill(edit.addMenu("R&each"), select.REACHES)

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QFileDialog, QMenu
 
 from stepfield_app.actions import Actions, Keys
 from stepfield_app.commands import tools
-from stepfield_app.opening import ask_for_files
+from stepfield_app.settings import Files
 
 if TYPE_CHECKING:
     from stepfield_app.main_window import MainWindow
@@ -21,10 +21,10 @@ def make(actions: Actions, window: MainWindow) -> None:
     make(
         "open",
         "&Open…",
-        partial(open_dialog, window),
+        window.filing.choose_files,
         keys=Keys.Open,
         glyph="open",
-        tip="Open the files of one scan",
+        tip="Open the files of one scan, or a project",
         needs_scan=False,
     )
     make(
@@ -34,6 +34,22 @@ def make(actions: Actions, window: MainWindow) -> None:
         glyph="demo",
         tip="Open a collapsed building made for trying things out",
         needs_scan=False,
+    )
+    make(
+        "save",
+        "&Save",
+        window.filing.save,
+        keys=Keys.Save,
+        glyph="save",
+        tip="Save the project with its edits",
+    )
+    make(
+        "save as",
+        "Save &as…",
+        window.filing.save_as,
+        keys="Ctrl+Shift+S",
+        glyph="save as",
+        tip="Save the project to another file",
     )
     make("close", "&Close the scan", partial(close_scan, window), keys=Keys.Close, glyph="close")
     make(
@@ -59,19 +75,17 @@ def fill(actions: Actions, window: MainWindow) -> None:
     file = actions.menu("&File", ["open"])
     recent = file.addMenu("Open &recent")
     recent.aboutToShow.connect(partial(_fill_recent, recent, window))
-    actions.fill(file, ["demo", None, "export", "picture", None, "close", "quit"])
-
-
-def open_dialog(window: MainWindow) -> None:
-    """Let the operator choose files and open them."""
-    files = ask_for_files(window, window.settings)
-    if files:
-        window.open_scans(files)
+    actions.fill(file, ["demo", None, "save", "save as", None, "export", "picture", None, "close", "quit"])
 
 
 def close_scan(window: MainWindow) -> None:
     """Close the scan, and the tools that work on it."""
-    tools.put_away(window)
+    window.filing.leave(partial(_close, window))
+
+
+def _close(window: MainWindow) -> None:
+    while tools.put_away(window):
+        pass
     window.document.close_scan()
 
 
@@ -94,8 +108,8 @@ def _forget_recent(window: MainWindow) -> None:
     window.welcome.set_recent(())
 
 
-def _open_recent(window: MainWindow, files: object) -> None:
-    window.open_scans(files)  # type: ignore[arg-type]
+def _open_recent(window: MainWindow, files: Files, is_checked: bool = False) -> None:
+    window.filing.open(files)
 
 
 def _export(window: MainWindow) -> None:

@@ -6,6 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from stepfield_app.actions import Actions
+from stepfield_app.commands import select
 
 if TYPE_CHECKING:
     from stepfield_app.main_window import MainWindow
@@ -21,6 +22,7 @@ GESTURES = {
         ("Orbit, pan, zoom", "Arrows, Shift+arrows, + −"),
         ("One view large, or all", "Double-click its title"),
     ],
+    **select.GESTURES,
     "Map and profile": [
         ("Pan", "Drag"),
         ("Zoom to the cursor", "Wheel"),

@@ -6,9 +6,13 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from stepfield_app.actions import Actions
+from stepfield_app.commands import select
 
 if TYPE_CHECKING:
     from stepfield_app.main_window import MainWindow
+
+#: Names of the actions that lead from one suspicious place to the next.
+PLACES = ["next place", "previous place", "select place"]
 
 
 def make(actions: Actions, window: MainWindow) -> None:
@@ -33,12 +37,36 @@ def make(actions: Actions, window: MainWindow) -> None:
         tip="Draw a line in the map to cut along",
     )
     window.map.drawing_changed.connect(line.setChecked)
+    _make_places(actions, window)
     actions.make("leave", "&Leave the tool", partial(leave, window), keys="Esc", needs_scan=False)
+
+
+def _make_places(actions: Actions, window: MainWindow) -> None:
+    feed, make = window.suspect_feed, actions.make
+    make(
+        "next place",
+        "Ne&xt suspicious place",
+        partial(feed.step, 1),
+        keys=["F4", "."],
+        glyph="next",
+        tip="Go to the next place where layers are doubtful",
+    )
+    make(
+        "previous place",
+        "Pre&vious suspicious place",
+        partial(feed.step, -1),
+        keys=["Shift+F4", ","],
+        glyph="previous",
+    )
+    make("select place", "Select the suspicious pl&ace", feed.select, keys="Ctrl+.", glyph="target")
 
 
 def fill(actions: Actions) -> None:
     """Fill the menu."""
-    actions.menu("&Tools", ["crop", "profile line", None, "leave"])
+    tools = actions.menu(
+        "&Tools", [*select.TOOLS, None, *select.BRUSH, select.KEYBOARD, None, "crop", "profile line"]
+    )
+    actions.fill(tools, [None, *PLACES, None, "leave"])
 
 
 def leave(window: MainWindow) -> None:
@@ -52,7 +80,9 @@ def leave(window: MainWindow) -> None:
 
 
 def put_away(window: MainWindow) -> bool:
-    """Leave every tool; False when there was none in use."""
+    """Leave every tool; False when there was none in use. A stroke under way ends first, then its tool."""
+    if window.select_tools.leave():
+        return True
     used = [tool for name in ("crop", "profile line") if (tool := window.actions_[name]).isChecked()]
     for tool in used:
         tool.setChecked(False)

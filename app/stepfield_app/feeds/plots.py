@@ -143,6 +143,8 @@ def _section(wish: SectionWish, near: Band) -> Section:
         pillar_codes=np.where(cut.layer < 0, last, cut.layer).astype(np.uint8),
         colours=wish.colours,
         total=found.found,
+        pillars=cut.pillar,
+        field=result.field,
     )
 
 

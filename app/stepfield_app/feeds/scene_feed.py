@@ -12,6 +12,7 @@ from stepfield_app.document import Document
 from stepfield_app.facts import ScanFacts
 from stepfield_app.feeds.drawing import POINT_MODES, SOLID_MODES, Drawing, Drawn, Wish
 from stepfield_app.newest import NewestWins
+from stepfield_app.render.camera import Camera
 from stepfield_app.render.client import RenderClient
 from stepfield_app.render.scene import CLOUD, EMPTY, PILLARS, RECONSTRUCTION, VIEWS
 from stepfield_app.requests import Answer
@@ -79,6 +80,11 @@ class SceneFeed(QObject):
         if layers != self._choices.visible:
             self._choices.visible = layers
             self.ask()
+
+    def begin_with(self, camera: Camera) -> None:
+        """Look at a scan that was just opened as it was left, instead of framing it."""
+        self._fits = False
+        self._trio.viewpoint.look(camera)
 
     def set_theme(self, theme: Theme) -> None:
         """Draw for a theme."""

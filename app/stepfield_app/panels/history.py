@@ -20,6 +20,7 @@ class HistoryPanel(QWidget):
         self.view = QUndoView(undo_stack, self)
         self.view.setEmptyLabel("As opened")
         self.view.setAccessibleName("History")
+        self.view.setUniformItemSizes(True)  # or every step would measure all steps before it
         self.view.setToolTip("Steps taken so far: click one to go back or forward to it (Ctrl+Z, Ctrl+Y)")
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)

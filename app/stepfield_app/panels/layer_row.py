@@ -1,11 +1,10 @@
-"""How a row of the layers panel is painted, and what a click in it means."""
+"""How a row of the layers panel is painted, and what becomes of clicks in it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import Enum
+from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, QModelIndex, QPersistentModelIndex, QPoint, QRect, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QModelIndex, QPersistentModelIndex, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QBrush, QColor, QHelpEvent, QIcon, QImage, QMouseEvent, QPainter, QPen
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -19,73 +18,13 @@ from PySide6.QtWidgets import (
 
 from stepfield.layers import UNASSIGNED
 from stepfield_app.appearance import ICON_SIZE, icon, numbers_font
-from stepfield_app.panels.layers_model import LayerRow, Role
+from stepfield_app.panels.layers_model import LayerRow, Notice, Role
+from stepfield_app.panels.row_layout import BAR, ROW_HEIGHT, SMALL, Part, RowLayout
 from stepfield_app.style_sheet import mixed
 from stepfield_app.theme import DARK, Theme
-from stepfield_app.wording import grouped, metres
+from stepfield_app.wording import grouped, metres, short
 
 AnyIndex = QModelIndex | QPersistentModelIndex
-
-ROW_HEIGHT, THUMBNAIL, GAP, SWATCH, BAR, SMALL = 56, 48, 8, 14, 3, 11
-#: Side of what can be clicked.
-BUTTON = 24
-
-
-class Part(Enum):
-    """A part of a row that can be clicked, and the tooltip that explains it."""
-
-    EYE = "Show or hide (Space); with Alt show only this layer"
-    SWATCH = "Choose the colour"
-    SOLO = "Show only this layer, or all as before (S)"
-    REST = "Click to make it the active layer; double-click or F2 to rename"
-
-
-@dataclass(frozen=True)
-class RowLayout:
-    """Where the parts of a row are."""
-
-    room: QRect
-
-    def eye(self) -> QRect:
-        """Room of the eye."""
-        return self._square(self.room.left() + BAR + 5, BUTTON)
-
-    def swatch(self) -> QRect:
-        """Room of the colour."""
-        return self._square(self.eye().right() + 5, SWATCH)
-
-    def thumbnail(self) -> QRect:
-        """Room of the picture."""
-        return self._square(self.room.right() - THUMBNAIL - 3, THUMBNAIL)
-
-    def solo(self) -> QRect:
-        """Room of the button that shows one layer alone."""
-        return self._square(self.thumbnail().left() - BUTTON - 4, BUTTON)
-
-    def text(self) -> QRect:
-        """Room of name, count and elevation."""
-        left, right = self.swatch().right() + 1 + GAP, self.solo().left() - 4
-        return QRect(left, self.room.top() + 8, right - left, self.room.height() - 16)
-
-    def name(self) -> QRect:
-        """Room of the name: the upper line."""
-        text = self.text()
-        return QRect(text.left(), text.top(), text.width(), text.height() // 2)
-
-    def figures(self) -> QRect:
-        """Room of count and elevation: the lower line."""
-        text, name = self.text(), self.name()
-        return QRect(text.left(), name.bottom() + 1, text.width(), text.height() - name.height())
-
-    def part_at(self, place: QPoint) -> Part:
-        """Return what a click at a place means."""
-        for part, room in ((Part.EYE, self.eye()), (Part.SOLO, self.solo()), (Part.SWATCH, self.swatch())):
-            if room.contains(place):
-                return part
-        return Part.REST
-
-    def _square(self, left: int, side: int) -> QRect:
-        return QRect(left, self.room.center().y() - side // 2 + 1, side, side)
 
 
 class LayerDelegate(QStyledItemDelegate):
@@ -103,7 +42,7 @@ class LayerDelegate(QStyledItemDelegate):
         self._theme = theme
         self._icons = {
             (name, colour): icon(name, colour)
-            for name in ("visible", "hidden")
+            for name in ("visible", "hidden", "locked", "unlocked")
             for colour in (theme.text, theme.muted)
         }
 
@@ -124,9 +63,13 @@ class LayerDelegate(QStyledItemDelegate):
         self._paint_ground(painter, layout, row, is_hovered, has_focus)
         self._eye(row).paint(painter, _inner(layout.eye()))
         self._paint_swatch(painter, layout.swatch(), row)
-        self._paint_text(painter, layout, row, option)
-        if is_hovered or row.is_solo:
-            self._paint_solo(painter, layout.solo(), row.is_solo)
+        painter.setFont(numbers_font(option.font))
+        self._paint_name(painter, layout.name(), row)
+        if row.notice is None:
+            self._paint_figures(painter, layout.figures(), row)
+            self._paint_buttons(painter, layout, row, is_hovered)
+        else:
+            self._paint_notice(painter, layout.notice(), row.notice)
         self._paint_thumbnail(painter, layout.thumbnail(), index.data(Role.THUMBNAIL), row)
         painter.restore()
 
@@ -134,19 +77,22 @@ class LayerDelegate(QStyledItemDelegate):
         self, painter: QPainter, layout: RowLayout, row: LayerRow, is_hovered: bool, has_focus: bool
     ) -> None:
         room, theme = layout.room, self._theme
-        share = 0.22 if row.is_active else 0.0
-        ground = mixed(theme.panel, theme.accent, share)
-        if is_hovered:
+        ground = mixed(theme.panel, theme.accent, 0.22 if row.is_active else 0.0)
+        if is_hovered and row.notice is None:
             ground = mixed(ground, theme.text, 0.06)
+        edge = theme.accent if has_focus else ""
+        if row.notice is not None:
+            edge = theme.error if row.notice.is_refusal else theme.accent
+            ground = mixed(theme.panel, edge, 0.3)
         painter.fillRect(room, QColor(ground))
         painter.setPen(QPen(QColor(theme.line), 1))
         painter.drawLine(room.bottomLeft(), room.bottomRight())
         if row.is_active:
             painter.fillRect(QRect(room.left(), room.top(), BAR, room.height()), QColor(theme.accent))
-        if has_focus:
-            painter.setPen(QPen(QColor(theme.accent), 1))
+        if edge:
+            painter.setPen(QPen(QColor(edge), 1 if row.notice is None else 2))
             painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.drawRect(room.adjusted(0, 0, -1, -1))
+            painter.drawRect(room.adjusted(1, 1, -1, -1) if row.notice else room.adjusted(0, 0, -1, -1))
 
     def _eye(self, row: LayerRow) -> QIcon:
         if row.is_visible:
@@ -163,28 +109,48 @@ class LayerDelegate(QStyledItemDelegate):
             painter.setBrush(colour)
         painter.drawRoundedRect(room, 3, 3)
 
-    def _paint_text(
-        self, painter: QPainter, layout: RowLayout, row: LayerRow, option: QStyleOptionViewItem
-    ) -> None:
-        theme, middle = self._theme, Qt.AlignmentFlag.AlignVCenter
-        font = numbers_font(option.font)
+    def _paint_name(self, painter: QPainter, room: QRect, row: LayerRow) -> None:
+        theme, font = self._theme, painter.font()
         font.setBold(row.is_active)
         painter.setFont(font)
         painter.setPen(QColor(theme.text if row.is_visible else theme.muted))
-        room = layout.name()
-        name = painter.fontMetrics().elidedText(row.name, Qt.TextElideMode.ElideRight, room.width())
-        painter.drawText(room, Qt.AlignmentFlag.AlignLeft | middle, name)
+        _draw(painter, room, row.name)
         font.setBold(False)
         font.setPixelSize(SMALL)
         painter.setFont(font)
+
+    def _paint_figures(self, painter: QPainter, room: QRect, row: LayerRow) -> None:
+        """Write how many pillars there are and are selected, and the elevation where that leaves room."""
+        theme, right, advance = (
+            self._theme,
+            Qt.AlignmentFlag.AlignRight,
+            painter.fontMetrics().horizontalAdvance,
+        )
+        total, selected = _counts(row, lambda text: advance(text) <= room.width())
+        before = room.adjusted(0, 0, -advance(total), 0)
         painter.setPen(QColor(theme.muted))
-        room = layout.figures()
-        painter.drawText(room, Qt.AlignmentFlag.AlignRight | middle, grouped(row.summary.pillars))
-        if row.index != UNASSIGNED:
-            painter.drawText(room, Qt.AlignmentFlag.AlignLeft | middle, metres(row.summary.elevation))
+        _draw(painter, room, total, right)
+        elevation = metres(row.summary.elevation) if row.index != UNASSIGNED else ""
+        if advance(f"{elevation}  {selected}") <= before.width():
+            _draw(painter, room, elevation)
+        painter.setPen(QColor(theme.accent))
+        _draw(painter, before, selected, right)
+
+    def _paint_notice(self, painter: QPainter, room: QRect, notice: Notice) -> None:
+        painter.setPen(QColor(self._theme.text))
+        _draw(painter, room, notice.text)
+
+    def _paint_buttons(self, painter: QPainter, layout: RowLayout, row: LayerRow, is_hovered: bool) -> None:
+        theme = self._theme
+        if is_hovered or row.is_solo:
+            self._paint_solo(painter, layout.solo(), row.is_solo)
+        if row.index != UNASSIGNED and (is_hovered or row.is_locked):
+            name = "locked" if row.is_locked else "unlocked"
+            colour = theme.text if row.is_locked else theme.muted
+            self._icons[name, colour].paint(painter, layout.lock().adjusted(5, 5, -5, -5))
 
     def _paint_solo(self, painter: QPainter, room: QRect, is_on: bool) -> None:
-        theme, plate = self._theme, room.adjusted(3, 3, -3, -3)
+        theme, plate = self._theme, room.adjusted(4, 4, -4, -4)
         painter.setPen(QPen(QColor(theme.accent if is_on else theme.muted), 1))
         painter.setBrush(QColor(theme.accent) if is_on else Qt.BrushStyle.NoBrush)
         painter.drawRoundedRect(plate, 3, 3)
@@ -249,3 +215,21 @@ def _inner(room: QRect) -> QRect:
     """Return the middle of a button, where its icon goes."""
     spare = (room.width() - ICON_SIZE) // 2
     return room.adjusted(spare, spare, -spare, -spare)
+
+
+def _counts(row: LayerRow, fits: Callable[[str], bool]) -> tuple[str, str]:
+    """How many pillars there are, and how many of them are selected; in few figures where they must be."""
+    if not row.selected:
+        return grouped(row.summary.pillars), ""
+    total, selected = f" of {grouped(row.summary.pillars)}", grouped(row.selected)
+    if fits(selected + total):
+        return total, selected
+    return f" of {short(row.summary.pillars)}", short(row.selected)
+
+
+def _draw(
+    painter: QPainter, room: QRect, text: str, side: Qt.AlignmentFlag = Qt.AlignmentFlag.AlignLeft
+) -> None:
+    """Write a line, shortened where it does not fit."""
+    fitting = painter.fontMetrics().elidedText(text, Qt.TextElideMode.ElideRight, room.width())
+    painter.drawText(room, side | Qt.AlignmentFlag.AlignVCenter, fitting)

@@ -6,16 +6,14 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QItemSelectionModel, QModelIndex, QPersistentModelIndex, QPoint, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent
+from PySide6.QtCore import QItemSelectionModel, QModelIndex, QPersistentModelIndex, QPoint, Qt, Signal
+from PySide6.QtGui import QColor
 from PySide6.QtWidgets import (
-    QAbstractItemView,
     QColorDialog,
-    QFrame,
     QLabel,
-    QListView,
     QMenu,
     QStackedLayout,
+    QVBoxLayout,
     QWidget,
 )
 
@@ -23,8 +21,10 @@ from stepfield.layers import UNASSIGNED
 from stepfield.project import LayerStyle, Project
 from stepfield_app.appearance import icon
 from stepfield_app.document import Document
-from stepfield_app.panels.layer_row import ROW_HEIGHT, LayerDelegate, Part
+from stepfield_app.panels.layer_row import LayerDelegate
+from stepfield_app.panels.layers_list import LayersList
 from stepfield_app.panels.layers_model import LayerRow, LayersModel, Role
+from stepfield_app.panels.row_layout import Part
 from stepfield_app.panels.summary import LayerSummary, summaries
 from stepfield_app.requests import Answer
 from stepfield_app.theme import Theme
@@ -36,6 +36,8 @@ class LayersPanel(QWidget):
     """Lists the layers; every change goes through the document, but for a layer shown alone for a while."""
 
     visibility_changed = Signal()
+    lock_wanted = Signal(int, bool)
+    menu_made = Signal(object, QMenu)  # LayerRow: others may add what they can do with it
 
     def __init__(self, document: Document, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -48,9 +50,14 @@ class LayersPanel(QWidget):
         self.view.setItemDelegate(self._delegate)
         self._empty = QLabel(EMPTY, wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter, margin=16)
         self._empty.setProperty("role", "muted")
+        content = QWidget()
+        self._content = QVBoxLayout(content)
+        self._content.setContentsMargins(0, 0, 0, 0)
+        self._content.setSpacing(0)
+        self._content.addWidget(self.view, 1)
         self._stack = QStackedLayout(self)
         self._stack.addWidget(self._empty)
-        self._stack.addWidget(self.view)
+        self._stack.addWidget(content)
         self._connect()
         self._take_project(document.project)
         self.model.set_active(document.active_layer)
@@ -72,7 +79,11 @@ class LayersPanel(QWidget):
     def set_layers(self, layers: Sequence[LayerSummary]) -> None:
         """Show the layers of a result; none shows how to get some."""
         self.model.set_layers(layers)
-        self._stack.setCurrentWidget(self.view if layers else self._empty)
+        self._stack.setCurrentIndex(1 if layers else 0)
+
+    def add_foot(self, foot: QWidget) -> None:
+        """Put something below the list."""
+        self._content.addWidget(foot)
 
     def set_thumbnails(self, thumbnails: Mapping[int, NDArray[np.uint8]]) -> None:
         """Show small pictures of layers, by number; arrays of shape (rows, columns, 4), uint8."""
@@ -81,7 +92,7 @@ class LayersPanel(QWidget):
     def set_theme(self, theme: Theme) -> None:
         """Take the colours of a theme."""
         self._delegate.set_theme(theme)
-        self.view.viewport().update()
+        self.view.set_theme(theme)
 
     def visible_layers(self) -> tuple[int, ...]:
         """Numbers of the layers that are shown, ascending, -1 for Unassigned."""
@@ -144,18 +155,22 @@ class LayersPanel(QWidget):
     def menu_for(self, row: LayerRow) -> QMenu:
         """Make the menu of a row."""
         menu, is_layer = QMenu(self), row.index != UNASSIGNED
-        entries: tuple[tuple[str, str, bool, Callable[[], None]], ...] = (
+        entries: tuple[tuple[str, str, bool, Callable[[], None]] | None, ...] = (
             ("rename", "Rename\tF2", is_layer, lambda: self.rename(row)),
             ("colour", "Colour…", is_layer, lambda: self.choose_colour(row)),
             ("reset", "Usual colour", is_layer, lambda: self.set_colour(row, None)),
+            None,
             ("visible", "Show only this layer\tS", not row.is_solo, lambda: self.toggle_solo(row)),
             ("layers", "Show all layers", True, self.show_all),
         )
-        for meaning, text, is_enabled, act in entries:
-            action = menu.addAction(icon(meaning), text)
+        for entry in entries:
+            if entry is None:
+                menu.addSeparator()
+                continue
+            meaning, text, is_enabled, act = entry
+            action = menu.addAction(icon(meaning), text, act)
             action.setEnabled(is_enabled)
-            action.triggered.connect(lambda _=False, act=act: act())
-        menu.insertSeparator(menu.actions()[3])
+        self.menu_made.emit(row, menu)
         return menu
 
     def _rename(self, index: int, name: str) -> None:
@@ -171,6 +186,8 @@ class LayersPanel(QWidget):
             self.toggle_solo(row)
         elif part is Part.EYE:
             self.toggle_visible(row)
+        elif part is Part.LOCK and row.index != UNASSIGNED:
+            self.lock_wanted.emit(row.index, not row.is_locked)
         elif part is Part.SWATCH and row.index != UNASSIGNED:
             self.choose_colour(row)
 
@@ -186,32 +203,3 @@ class LayersPanel(QWidget):
             menu = self.menu_for(index.data(Role.ROW))
             menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
             menu.popup(self.view.viewport().mapToGlobal(place))
-
-
-class LayersList(QListView):
-    """The list itself: rows of one height, Space and S act on the row under the keyboard."""
-
-    key_pressed = Signal(Qt.Key)
-
-    def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setAccessibleName("Layers, the highest first")
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setUniformItemSizes(True)
-        self.setMouseTracking(True)
-        self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
-        trigger = QAbstractItemView.EditTrigger
-        self.setEditTriggers(trigger.DoubleClicked | trigger.EditKeyPressed)
-
-    def sizeHint(self) -> QSize:  # noqa: N802
-        """Return a size that shows five layers."""
-        return QSize(300, 5 * ROW_HEIGHT)
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
-        """Take Space and S; the rest moves through the rows."""
-        if event.key() in (Qt.Key.Key_Space, Qt.Key.Key_S) and not event.modifiers():
-            self.key_pressed.emit(Qt.Key(event.key()))
-        else:
-            super().keyPressEvent(event)

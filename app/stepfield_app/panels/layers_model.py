@@ -9,21 +9,36 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QAbstractListModel, QModelIndex, QPersistentModelIndex, Qt, Signal
+from PySide6.QtCore import QAbstractListModel, QMimeData, QModelIndex, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QImage
 
 from stepfield.layers import UNASSIGNED
 from stepfield.project import LayerStyle
 from stepfield_app.panels.summary import LayerSummary
 from stepfield_app.theme import layer_colour
-from stepfield_app.wording import counted, metres
+from stepfield_app.wording import counted, grouped, metres
 
 AnyIndex = QModelIndex | QPersistentModelIndex
 
 
+#: What a row carries when it is dragged: the number of its layer as text.
+LAYER_MIME = "application/x-stepfield-layer"
+
+
+@dataclass(frozen=True)
+class Notice:
+    """What a drop on a row would do, or why it can do nothing."""
+
+    text: str
+    is_refusal: bool = False
+
+
 @dataclass(frozen=True)
 class LayerRow:
-    """A row as it is painted."""
+    """A row as it is painted.
+
+    ``notice`` says what a drop would do, and takes the place of the figures.
+    """
 
     summary: LayerSummary
     name: str
@@ -31,6 +46,9 @@ class LayerRow:
     is_visible: bool
     is_active: bool
     is_solo: bool
+    is_locked: bool = False
+    selected: int = 0
+    notice: Notice | None = None
 
     @property
     def index(self) -> int:
@@ -42,7 +60,10 @@ class LayerRow:
         """The row in words, for those who do not see it."""
         state = "shown" if self.is_visible else "hidden"
         average = f", average elevation {metres(self.summary.elevation)}" if self.summary.pillars else ""
-        return f"{self.name}, {counted(self.summary.pillars, 'pillar')}{average}, {state}"
+        selected = f" of which {grouped(self.selected)} selected" if self.selected else ""
+        locked = ", locked" if self.is_locked else ""
+        pillars = counted(self.summary.pillars, "pillar")
+        return f"{self.name}, {pillars}{selected}{average}, {state}{locked}"
 
 
 class Role(IntEnum):
@@ -69,6 +90,8 @@ class LayersModel(QAbstractListModel):
         self._active = 0
         self._solo: int | None = None
         self._is_rest_shown = True
+        self._selected: Mapping[int, int] = {}
+        self._notice: tuple[int, Notice] | None = None
 
     # --- What it is given -----------------------------------------------------------------------------------
 
@@ -97,6 +120,16 @@ class LayersModel(QAbstractListModel):
     def set_rest_shown(self, is_shown: bool) -> None:
         """Show or hide the pillars that are in no layer."""
         self._is_rest_shown = is_shown
+        self._refresh()
+
+    def set_selected(self, selected: Mapping[int, int]) -> None:
+        """Show how many pillars are selected in each layer."""
+        self._selected = dict(selected)
+        self._refresh()
+
+    def set_notice(self, index: int, notice: Notice | None) -> None:
+        """Let one row, and no other, say what a drop on it would do."""
+        self._notice = None if notice is None else (index, notice)
         self._refresh()
 
     def set_thumbnails(self, thumbnails: Mapping[int, NDArray[np.uint8]]) -> None:
@@ -147,12 +180,13 @@ class LayersModel(QAbstractListModel):
         return None
 
     def flags(self, index: AnyIndex) -> Qt.ItemFlag:
-        """Every layer can be chosen; all but Unassigned can be named."""
+        """Every layer can be chosen; all but Unassigned can be named and dragged."""
         if not index.isValid():
             return Qt.ItemFlag.NoItemFlags
         flags = Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemNeverHasChildren
         is_layer = self._rows[index.row()].index != UNASSIGNED
-        return flags | Qt.ItemFlag.ItemIsEditable if is_layer else flags
+        own = Qt.ItemFlag.ItemIsEditable | Qt.ItemFlag.ItemIsDragEnabled
+        return flags | own if is_layer else flags
 
     def setData(self, index: AnyIndex, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:  # noqa: N802
         """Ask for another name; it is shown once the document has it."""
@@ -161,6 +195,20 @@ class LayersModel(QAbstractListModel):
             return False
         self.renamed.emit(row.index, name)
         return True
+
+    def mimeTypes(self) -> list[str]:  # noqa: N802
+        """What a dragged row carries."""
+        return [LAYER_MIME]
+
+    def mimeData(self, indexes: Sequence[QModelIndex]) -> QMimeData:  # noqa: N802
+        """Take a row along."""
+        data = QMimeData()
+        data.setData(LAYER_MIME, str(self._rows[indexes[0].row()].index).encode())
+        return data
+
+    def supportedDragActions(self) -> Qt.DropAction:  # noqa: N802
+        """Rows are dragged to another place."""
+        return Qt.DropAction.MoveAction
 
     # --- Rows -----------------------------------------------------------------------------------------------
 
@@ -190,6 +238,9 @@ class LayersModel(QAbstractListModel):
             is_visible=is_shown if self._solo is None else index == self._solo,
             is_active=index == self._active,
             is_solo=index == self._solo,
+            is_locked=style.locked and index != UNASSIGNED,
+            selected=self._selected.get(index, 0),
+            notice=self._notice[1] if self._notice and self._notice[0] == index else None,
         )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from PySide6.QtCore import QObject, Signal
 
 from stepfield_app.render.camera import Camera, Size
+from stepfield_app.render.outline import SELECTION, Outline
 from stepfield_app.render.process import DrawingProcess
 from stepfield_app.render.protocol import (
     Array,
@@ -14,11 +15,13 @@ from stepfield_app.render.protocol import (
     Dropped,
     Message,
     SetBackground,
+    SetOutlines,
     SetScene,
     arrays_of,
+    outlines_tree,
     scene_tree,
 )
-from stepfield_app.render.scene import EMPTY, VIEWS, Frame, Scene
+from stepfield_app.render.scene import EMPTY, VIEWS, Frame, Scene, Singles
 from stepfield_app.render.shelf import Shelf
 from stepfield_app.render.slots import Slots
 from stepfield_app.render.store import Store
@@ -42,7 +45,7 @@ class RenderClient(QObject):
         self._process = DrawingProcess(self._store.folders, self)
         self._views = {name: View(name, Slots(self._store)) for name in VIEWS}
         self._background = (0, 0, 0)
-        self._shelf.written.connect(self._advance_all)
+        self._shelf.written.connect(self._use_written)
         self._shelf.failed.connect(self._has_no_room)
         self._process.received.connect(self._receive)
         self._process.state_changed.connect(self._process_changed)
@@ -74,6 +77,25 @@ class RenderClient(QObject):
     def set_scene(self, view: str, scene: Scene) -> None:
         """Show another scene in a view."""
         self._views[view].set_scene(scene)
+        self._advance(view)
+
+    def set_outline(
+        self, view: str, segments: Singles | None, *, kind: str = SELECTION, slack: float = 0.0
+    ) -> None:
+        """Paint another outline over a view, or none; the scene under it is not drawn again.
+
+        Parameters
+        ----------
+        view : str
+        segments : ndarray of shape (n, 2, 3), float32, or None
+            Ends in local coordinates, metres; not to be written any more.
+        kind : str
+            One of :data:`~stepfield_app.render.outline.KINDS`; each has a colour.
+        slack : float
+            How far behind what is drawn a line still counts as seen, metres.
+        """
+        outline = None if segments is None or not len(segments) else Outline(segments, slack)
+        self._views[view].set_outline(kind, outline)
         self._advance(view)
 
     def set_camera(self, view: str, camera: Camera, size: Size, moving: bool) -> None:
@@ -122,6 +144,11 @@ class RenderClient(QObject):
             self._advance_all()
         self.state_changed.emit(state)
 
+    def _use_written(self) -> None:
+        """Send what waited for an array, and forget those that something newer has replaced meanwhile."""
+        self._shelf.keep(self._needed())
+        self._advance_all()
+
     def _advance_all(self) -> None:
         for name in self._views:
             self._advance(name)
@@ -141,7 +168,9 @@ class RenderClient(QObject):
     def _send_next(self, view: View) -> None:
         if not view.shown:
             self._release_hidden(view)
-        elif view.may_ask and self._has_sent_scene(view):
+            return
+        self._send_outlines(view)
+        if view.may_ask and self._has_sent_scene(view):
             self._process.send(view.ask())
 
     def _has_sent_scene(self, view: View) -> bool:
@@ -152,6 +181,14 @@ class RenderClient(QObject):
             return False
         self._send_scene(view, view.scene)
         return True
+
+    def _send_outlines(self, view: View) -> None:
+        """Send the outlines unless they are sent already or still being written."""
+        outlines = view.outlines
+        if outlines != view.sent_outlines and self._shelf.has(one.segments for one in outlines.values()):
+            self._process.send(SetOutlines(view.name, outlines_tree(outlines, self._shelf.where)))
+            view.sent_outlines = outlines
+            self._shelf.keep(self._needed())
 
     def _release_hidden(self, view: View) -> None:
         """Let the drawing process forget a scene that was replaced while its view is hidden."""
@@ -167,6 +204,8 @@ class RenderClient(QObject):
         for view in self._views.values():
             yield from arrays_of(view.scene)
             yield from arrays_of(view.sent or EMPTY)
+            for outline in (*view.outlines.values(), *view.sent_outlines.values()):
+                yield outline.segments
 
     def _receive(self, message: Message) -> None:
         if isinstance(message, Drawn):

@@ -61,8 +61,10 @@ class Picture:
         pixels[..., 3] = 255
 
 
-def moving(subject: Subject, canvas: Canvas, camera: Camera, size: Size, pace: Pace) -> Picture:
-    """Draw as much as the pace allows."""
+def moving(
+    subject: Subject, canvas: Canvas, camera: Camera, size: Size, pace: Pace, with_depth: bool = False
+) -> Picture:
+    """Draw as much as the pace allows; depth costs time, and only some need it."""
     few = subject.count <= pace.points
     drawn = min(subject.count, pace.points)
     rows = slice(None) if few else subject.order[:drawn]
@@ -71,8 +73,9 @@ def moving(subject: Subject, canvas: Canvas, camera: Camera, size: Size, pace: P
     triangles = subject.put_mesh(canvas, mesh)
     subject.put_lines(canvas)
     colours = canvas.shoot(camera, size, subject.span, _point_size(subject, drawn, camera, size))
+    depth = canvas.depth(camera, size, subject.span) if with_depth else None
     limited = not few or pace.scale > 1 or (mesh is not None and mesh is not subject.scene.meshes[0])
-    return Picture(colours, None, None, points, triangles, limited)
+    return Picture(colours, depth, None, points, triangles, limited)
 
 
 def at_rest(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield_app.render.camera import Camera
+from stepfield_app.render.outline import Outline
 from stepfield_app.render.scene import Lines, Points, Scene, Triangles
 
 Array = NDArray[Any]
@@ -23,6 +24,14 @@ class SetScene:
 
     view: str
     scene: Tree
+
+
+@dataclass(frozen=True)
+class SetOutlines:
+    """Paint these outlines over a view from now on, by kind; see :func:`outlines_tree`."""
+
+    view: str
+    outlines: Tree
 
 
 @dataclass(frozen=True)
@@ -79,9 +88,10 @@ class Drawn:
     seconds: float
 
 
-Message = SetScene | SetBackground | Draw | Ready | Unusable | Dropped | Drawn
+Message = SetScene | SetOutlines | SetBackground | Draw | Ready | Unusable | Dropped | Drawn
 KINDS: dict[str, type[Any]] = {
-    kind.__name__: kind for kind in (SetScene, SetBackground, Draw, Ready, Unusable, Dropped, Drawn)
+    kind.__name__: kind
+    for kind in (SetScene, SetOutlines, SetBackground, Draw, Ready, Unusable, Dropped, Drawn)
 }
 
 
@@ -153,6 +163,19 @@ def scene_of(tree: Tree, mapped: Callable[[Tree], Array]) -> Scene:
         low=np.array(tree["low"]),
         high=np.array(tree["high"]),
     )
+
+
+def outlines_tree(outlines: Mapping[str, Outline], written: Callable[[Array], Tree]) -> Tree:
+    """Write outlines by kind; ``written`` says where an array is."""
+    return {
+        kind: {"segments": written(outline.segments), "slack": outline.slack}
+        for kind, outline in outlines.items()
+    }
+
+
+def outlines_of(tree: Tree, mapped: Callable[[Tree], Array]) -> dict[str, Outline]:
+    """Read outlines; ``mapped`` opens an array."""
+    return {kind: Outline(mapped(outline["segments"]), outline["slack"]) for kind, outline in tree.items()}
 
 
 def _points_of(tree: Tree, mapped: Callable[[Tree], Array]) -> Points:

@@ -19,8 +19,10 @@ from stepfield_app.render import picture
 from stepfield_app.render.canvas import Canvas, load, rounded_up
 from stepfield_app.render.detail import Overtaken
 from stepfield_app.render.inbox import Inbox
+from stepfield_app.render.outline import Outline
 from stepfield_app.render.pace import Pace
 from stepfield_app.render.picture import Picture
+from stepfield_app.render.plate import Plate
 from stepfield_app.render.protocol import (
     Array,
     Draw,
@@ -29,11 +31,13 @@ from stepfield_app.render.protocol import (
     Message,
     Ready,
     SetBackground,
+    SetOutlines,
     SetScene,
     Unusable,
     camera_of,
     frame_bytes,
     line,
+    outlines_of,
     scene_of,
 )
 from stepfield_app.render.scene import EMPTY
@@ -77,6 +81,8 @@ class Studio:
         self._canvases = Canvases(library)
         self._background = (0, 0, 0)
         self._subjects: dict[str, Subject] = {}
+        self._outlines: dict[str, dict[str, Outline]] = {}
+        self._plates: dict[str, Plate] = {}
         self._paces: dict[str, Pace] = {}
         self._waiting: dict[str, Draw] = {}
         self._drawn_at: dict[str, float] = {}
@@ -92,24 +98,27 @@ class Studio:
                 self._draw(self._next())
 
     def _note(self, news: Sequence[Message]) -> None:
-        scenes: dict[str, SetScene] = {}
+        newest: dict[tuple[type, str], SetScene | SetOutlines] = {}
         for sent in news:
-            if isinstance(sent, SetScene):
-                scenes[sent.view] = sent
+            if isinstance(sent, SetScene | SetOutlines):
+                newest[type(sent), sent.view] = sent
             elif isinstance(sent, SetBackground):
                 self._background = sent.colour
             elif isinstance(sent, Draw):
                 self._drop(sent.view)
                 self._waiting[sent.view] = sent
-        for scene in scenes.values():
-            self._stage(scene)
+        for one in newest.values():
+            self._stage(one)
 
-    def _stage(self, sent: SetScene) -> None:
+    def _stage(self, sent: SetScene | SetOutlines) -> None:
         try:
-            scene = scene_of(sent.scene, self._mapped)
-        except OSError:  # its files are gone already: a newer scene is on its way
+            if isinstance(sent, SetOutlines):
+                self._outlines[sent.view] = outlines_of(sent.outlines, self._mapped)
+            else:
+                subject = Subject(scene_of(sent.scene, self._mapped))
+                self._subjects[sent.view] = subject.inherits(self._subjects.values())
+        except OSError:  # its files are gone already: something newer is on its way
             return
-        self._subjects[sent.view] = Subject(scene).inherits(self._subjects.values())
 
     def _mapped(self, where: dict[str, Any]) -> Array:
         array = self._arrays.get(where["file"])
@@ -131,41 +140,43 @@ class Studio:
     def _draw(self, draw: Draw) -> None:
         start = self._drawn_at[draw.view] = time.perf_counter()
         try:
-            size, taken, judged = self._taken(draw)
+            plate = self._plate(draw)
         except Overtaken:
             return
-        self._write(draw.file, size, taken)
-        seconds = time.perf_counter() - start
-        if judged:
-            self._paces[draw.view] = self._pace(draw.view).after(seconds, taken.limited)
+        has_depth = plate.depth is not None and not draw.moving
+        self._write(draw.file, plate, has_depth, self._outlines.get(draw.view, {}))
         del self._waiting[draw.view]
-        self._say(
-            Drawn(
-                draw.view,
-                draw.number,
-                size,
-                taken.depth is not None,
-                draw.moving,
-                taken.points,
-                taken.triangles,
-                taken.covered,
-                seconds,
-            )
-        )
+        counts = plate.points, plate.triangles, plate.covered if has_depth else 0
+        seconds = time.perf_counter() - start
+        self._say(Drawn(draw.view, draw.number, plate.size, has_depth, draw.moving, *counts, seconds))
 
-    def _taken(self, draw: Draw) -> tuple[tuple[int, int], Picture, bool]:
-        """Take the picture; also say its size, and whether its time tells anything about the next one's."""
-        subject, camera = self._subjects.get(draw.view) or Subject(EMPTY), camera_of(draw.camera)
-        pace = self._pace(draw.view)
+    def _plate(self, draw: Draw) -> Plate:
+        """Return the picture without outlines: the last one if it is of the very same."""
+        subject = self._subjects.get(draw.view)
+        key = subject and subject.number, self._background, draw.camera, draw.size, draw.moving
+        last = self._plates.get(draw.view)
+        if last is not None and last.serves(key, self._outlines.get(draw.view, {})):
+            return last
+        start = time.perf_counter()
+        taken, is_telling = self._taken(draw, subject or Subject(EMPTY))
+        plate = self._plates[draw.view] = Plate.of(taken, key, camera_of(draw.camera), last)
+        if is_telling:
+            self._paces[draw.view] = self._pace(draw.view).after(time.perf_counter() - start, taken.limited)
+        return plate
+
+    def _taken(self, draw: Draw, subject: Subject) -> tuple[Picture, bool]:
+        """Take the picture; also say whether its time tells anything about the next one's."""
+        camera, pace = camera_of(draw.camera), self._pace(draw.view)
         scale = pace.scale if draw.moving else 1
         size = max(draw.size[0] // scale, 1), max(draw.size[1] // scale, 1)
         canvas, fresh = self._canvases.fitting(draw.view, scale, size)
         canvas.background(self._background)
-        shown = canvas.key("points"), canvas.key("mesh")
         if not draw.moving:
-            return size, picture.at_rest(subject, canvas, camera, size, self._look_up(draw.view)), False
-        taken = picture.moving(subject, canvas, camera, size, pace)
-        return size, taken, not fresh and shown == (canvas.key("points"), canvas.key("mesh"))
+            return picture.at_rest(subject, canvas, camera, size, self._look_up(draw.view)), False
+        shown = canvas.key("points"), canvas.key("mesh")
+        with_depth = bool(self._outlines.get(draw.view))
+        taken = picture.moving(subject, canvas, camera, size, pace, with_depth)
+        return taken, not fresh and shown == (canvas.key("points"), canvas.key("mesh"))
 
     def _pace(self, view: str) -> Pace:
         return self._paces.get(view, Pace())
@@ -177,15 +188,15 @@ class Studio:
 
         return look_up
 
-    def _write(self, file: str, size: tuple[int, int], taken: Picture) -> None:
+    def _write(self, file: str, plate: Plate, with_depth: bool, outlines: dict[str, Outline]) -> None:
         if file not in self._pictures:  # and the window may have given up others
             self._pictures = {path: room for path, room in self._pictures.items() if os.path.exists(path)}
             self._pictures[file] = mapped_bytes(file, writable=True)
-        room = self._pictures[file]
-        half = frame_bytes(size) // 2
-        taken.write(room[:half].reshape(size[1], size[0], 4))
-        if taken.depth is not None:
-            room[half : 2 * half].view("f4").reshape(size[1], size[0])[:] = taken.depth
+        room, (width, height) = self._pictures[file], plate.size
+        half = frame_bytes(plate.size) // 2
+        plate.print(room[:half].reshape(height, width, 4), outlines)
+        if with_depth:
+            room[half : 2 * half].view("f4").reshape(height, width)[:] = plate.depth
 
 
 def speaker() -> Say:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from itertools import count
 
 from stepfield_app.render.camera import Camera, Size
+from stepfield_app.render.outline import KINDS, Outline
 from stepfield_app.render.protocol import Draw, Drawn, camera_tree, frame_bytes
 from stepfield_app.render.scene import EMPTY, Frame, Scene
 from stepfield_app.render.slots import Slot, Slots
@@ -24,17 +25,20 @@ class Asked:
     camera: Camera
     moving: bool
     wish: int
+    outlines: dict[str, Outline]
 
 
 @dataclass
 class View:
-    """Wishes are numbered; a frame of the newest wish, in full, means rest."""
+    """Wishes are numbered; a frame of the newest wish, in full and with the newest outlines, means rest."""
 
     name: str
     slots: Slots
     shown: bool = False
     scene: Scene = EMPTY
     sent: Scene | None = None
+    outlines: dict[str, Outline] = field(default_factory=dict)
+    sent_outlines: dict[str, Outline] = field(default_factory=dict)
     camera: Camera | None = None
     size: Size = (1, 1)
     moving: bool = False
@@ -43,6 +47,7 @@ class View:
     _asked_quick: int = -1
     _asked_full: int = -1
     _finished: int = -1
+    _painted: dict[str, Outline] = field(default_factory=dict)
     _asked: dict[int, Asked] = field(default_factory=dict)
     _numbers: count[int] = field(default_factory=count)
 
@@ -51,6 +56,11 @@ class View:
         if scene is not self.scene:
             self.scene = scene
             self.change()
+
+    def set_outline(self, kind: str, outline: Outline | None) -> None:
+        """Want another outline of a kind, or none: the picture stays, and is painted over anew."""
+        wanted = {**self.outlines, kind: outline}
+        self.outlines = {name: known for name in KINDS if (known := wanted.get(name)) is not None}
 
     def set_camera(self, camera: Camera, size: Size, moving: bool) -> None:
         """Want another camera, size or detail."""
@@ -68,23 +78,24 @@ class View:
     @property
     def is_at_rest(self) -> bool:
         """Whether the frame is the newest wish in full."""
-        return self._finished == self._wish
+        return self._finished == self._wish and self._painted == self.outlines
 
     @property
     def may_ask(self) -> bool:
         """Whether a picture is wanted and not too many are on their way.
 
-        Quick ones are asked for one at a time; a full one may be overtaken by one more.
+        Quick ones are asked for one at a time; a full one may be overtaken by one more, but not by the same
+        with other outlines.
         """
         asked = self._asked.values()
         if self.camera is None or any(one.moving for one in asked) or len(asked) > 1:
             return False
-        return self._wants_quick or self._wants_full
+        return self._wants_quick or self._wants_full or (self._wants_paint and not asked)
 
     def ask(self) -> Draw:
         """Ask for the next picture."""
         assert self.camera is not None
-        quick = self._wants_quick
+        quick = self._wants_quick or (self.moving and not self._wants_full)
         if quick:
             self._asked_quick = self._wish
         else:
@@ -92,7 +103,7 @@ class View:
         slot = self.slots.free(-(-frame_bytes(self.size) // ROOM) * ROOM)
         slot.asked = True
         number = next(self._numbers)
-        self._asked[number] = Asked(slot, self.camera, quick, self._wish)
+        self._asked[number] = Asked(slot, self.camera, quick, self._wish, self.sent_outlines)
         return Draw(self.name, number, camera_tree(self.camera), self.size, quick, str(slot.path))
 
     def take(self, drawn: Drawn) -> bool:
@@ -104,6 +115,7 @@ class View:
         pixels, depth = asked.slot.picture(drawn.size, drawn.depth)
         counts = drawn.points, drawn.triangles, drawn.covered
         self.frame = Frame(pixels, depth, asked.camera, drawn.moving, *counts, drawn.seconds)
+        self._painted = asked.outlines
         if not drawn.moving:
             self._finished = asked.wish
         return True
@@ -118,7 +130,7 @@ class View:
         """Begin again: the drawing process is a new one and knows nothing."""
         for number in list(self._asked):
             self.drop(number)
-        self.sent = None
+        self.sent, self.sent_outlines = None, {}
         self._finished = self._asked_quick = self._asked_full = -1
 
     @property
@@ -129,6 +141,11 @@ class View:
     @property
     def _wants_full(self) -> bool:
         return not self.moving and self._asked_full != self._wish
+
+    @property
+    def _wants_paint(self) -> bool:
+        """Whether the newest picture lacks the outlines that the drawing process knows by now."""
+        return self.frame is not None and self._painted != self.sent_outlines
 
     @property
     def _is_large(self) -> bool:

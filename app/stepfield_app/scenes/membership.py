@@ -87,6 +87,8 @@ def _boundaries(field: StepField, pillars: NDArray[np.int64] | None) -> NDArray[
 def _meets(
     boundary: NDArray[np.uint64], pillar: NDArray[np.int64], key: NDArray[np.uint64]
 ) -> NDArray[np.bool_]:
+    if not len(boundary):  # all of these points lie beyond the grid
+        return np.zeros(len(pillar), bool)
     same: NDArray[np.bool_] = (boundary[pillar] >> _BITS == key >> _BITS) & (pillar >= 0)
     return same
 

@@ -13,6 +13,7 @@ from stepfield_app.edit import Gesture
 from stepfield_app.feeds.scene_feed import SceneFeed
 from stepfield_app.scenes import crop
 from stepfield_app.theme import Theme
+from stepfield_app.views.tool import Cursor, Hand, Tool
 from stepfield_app.views.trio import Trio
 from stepfield_app.views.view3d import Canvas
 
@@ -20,7 +21,7 @@ from stepfield_app.views.view3d import Canvas
 RADIUS, REACH = 5.0, 10.0
 
 
-class CropTool(QObject):
+class CropTool(QObject, Tool[Canvas]):
     """A box with a handle on every face.
 
     Parameters
@@ -46,10 +47,13 @@ class CropTool(QObject):
 
     def set_active(self, is_active: bool) -> None:
         """Show the box and take the mouse on its handles, or not; a drag ends where it is."""
-        self.release()
+        self._let_go()
         self._hovered = None
         for canvas in self._trio.canvases.values():
-            canvas.tool = self if is_active else None
+            if is_active:
+                canvas.grip.tool = self
+            elif canvas.grip.tool is self:
+                canvas.grip.tool = None
         box = self.box
         local = self._local(np.reshape(box, (2, 3))) if is_active and box is not None else None
         self._trio.reach_for((local[0], local[1]) if local is not None else None)
@@ -68,21 +72,21 @@ class CropTool(QObject):
 
     # --- The mouse ------------------------------------------------------------------------------------------
 
-    def press(self, view: Canvas, at: QPointF) -> bool:
+    def press(self, view: Canvas, hand: Hand) -> bool:
         """Take hold of the handle under the cursor."""
-        box, handle = self.box, self._handle_at(view, at)
+        box, handle = self.box, self._handle_at(view, hand.at)
         if box is None or handle is None:
             return False
-        self._held, self._gesture = (handle, box, at), self._document.begin_gesture()
+        self._held, self._gesture = (handle, box, hand.at), self._document.begin_gesture()
         return True
 
-    def drag(self, view: Canvas, at: QPointF) -> None:
+    def drag(self, view: Canvas, hand: Hand) -> None:
         """Move what is held, and no further than the scan reaches."""
         facts = self._document.facts
         if self._held is None or facts is None:
             return
         handle, box, start = self._held
-        way = (at - start) * view.devicePixelRatioF()
+        way = (hand.at - start) * view.devicePixelRatioF()
         origin = np.tile(self._scene_feed.origin, 2)
         local = crop.dragged_on_screen(
             _box(box - origin), handle, view.viewpoint.camera, view.pixels, way.x(), way.y()
@@ -90,19 +94,22 @@ class CropTool(QObject):
         moved = crop.within(_box(local + origin), facts.bounds)
         self._document.set_parameters("Crop", self._gesture, crop=moved)
 
-    def release(self) -> None:
+    def release(self, view: Canvas, hand: Hand) -> None:
         """Let go: one undo step a drag."""
+        self._let_go()
+
+    def _let_go(self) -> None:
         if self._gesture is not None:
             self._document.end_gesture(self._gesture)
         self._held = self._gesture = None
 
-    def hover(self, view: Canvas, at: QPointF) -> bool:
-        """Say whether a handle is under the cursor, and light it."""
-        handle = self._handle_at(view, at)
+    def hover(self, view: Canvas, hand: Hand) -> Cursor | None:
+        """Say by the cursor whether a handle is under it, and light it."""
+        handle = self._handle_at(view, hand.at)
         if handle != self._hovered:
             self._hovered = handle
             self._repaint()
-        return handle is not None
+        return None if handle is None else Qt.CursorShape.PointingHandCursor
 
     def _handle_at(self, view: Canvas, at: QPointF) -> crop.Handle | None:
         box = self.box

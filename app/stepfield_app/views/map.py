@@ -30,6 +30,8 @@ class MapView(QWidget):
     #: Start (x, y), end (x, y) and width in metres of the profile line; at every move of it.
     section_wanted = Signal(object, object, float)
     section_ended = Signal()
+    #: Another picture is shown.
+    picture_changed = Signal()
     cursor_moved = Signal(float, float)
     cursor_left = Signal()
     #: Whether the tool that draws a profile line is in use.
@@ -105,6 +107,7 @@ class MapView(QWidget):
         self._take_cell_size(picture.cell_size)
         self.plot.show_picture(picture)
         self._enable(True)
+        self.picture_changed.emit()
 
     def clear(self) -> None:
         """Forget the scan: the next picture is of another one and will be fitted."""

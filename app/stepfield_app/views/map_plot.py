@@ -7,13 +7,24 @@ from typing import Any
 
 import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPolygonF
+from PySide6.QtGui import (
+    QColor,
+    QDragEnterEvent,
+    QDragLeaveEvent,
+    QDragMoveEvent,
+    QDropEvent,
+    QKeyEvent,
+    QPainter,
+    QPolygonF,
+)
 from PySide6.QtWidgets import QWidget
 
 from stepfield_app.style_sheet import mixed
 from stepfield_app.theme import Theme
+from stepfield_app.views.drop import DropSite, paint_offer
 from stepfield_app.views.extent import Extent
 from stepfield_app.views.line import Part, ProfileLine, paint_line, paint_mark, part_at
+from stepfield_app.views.outlines import SelectedCells
 from stepfield_app.views.overlay import Overlay
 from stepfield_app.views.pictures import MapPicture
 from stepfield_app.views.plot import Plot
@@ -30,15 +41,18 @@ class MapPlot(Plot):
     line_changed = Signal(object)
 
     def __init__(self, parent: QWidget | None = None) -> None:
-        self._picture = Picture()
+        self._picture, self.selected = Picture(), SelectedCells()
         super().__init__("x", "y", equal_scales=True, parent=parent)
         self.is_drawing = False
         self.line_width = 1.0
         self.line: ProfileLine | None = None
         self.mark: tuple[float, float] | None = None
         self._held: tuple[Part, ProfileLine] | None = None
-        self.addItem(self._picture, ignoreBounds=True)
-        self.pane.tool = self
+        self._drop_site: DropSite | None = None
+        self._is_offered = False
+        for item in (self._picture, self.selected):
+            self.addItem(item, ignoreBounds=True)
+        self.pane.drag_taker = self
 
     def set_theme(self, theme: Theme) -> None:
         """Take the colours of a theme."""
@@ -55,6 +69,7 @@ class MapPlot(Plot):
         """Take everything away: the next picture is of another scan."""
         super().forget()
         self._picture.clear()
+        self.selected.set_marked(None)
         self.set_line(None)
 
     # --- The line -------------------------------------------------------------------------------------------
@@ -129,27 +144,61 @@ class MapPlot(Plot):
         super().paint_over(painter, area)
         if self.is_drawing and self.line is None:
             Overlay(painter, area, self.theme).note(HINT, self.theme.text)
+        if self._is_offered and self._drop_site is not None:
+            paint_offer(painter, area, self._drop_site.offer(), self.theme)
+
+    # --- Drops ----------------------------------------------------------------------------------------------
+
+    def set_drop_site(self, site: DropSite) -> None:
+        """Let something be dropped on the map."""
+        self._drop_site = site
+        self.setAcceptDrops(True)
+        site.offer_changed.connect(self.viewport().update)
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:  # noqa: N802
+        """Consider what is dragged over the map; leave files to the window."""
+        self._is_offered = self._drop_site is not None and self._drop_site.knows(event.mimeData())
+        self.dragMoveEvent(event)
+
+    def dragMoveEvent(self, event: QDragMoveEvent) -> None:  # noqa: N802
+        """Say what a drop would do."""
+        if self._drop_site is not None and self._is_offered:
+            event.setDropAction(Qt.DropAction.MoveAction)
+            event.setAccepted(True)  # also where nothing could be done: the map says why
+            self.viewport().update()
+        else:
+            event.ignore()
+
+    def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:  # noqa: N802
+        """Say nothing any more."""
+        self._is_offered = False
+        self.viewport().update()
+
+    def dropEvent(self, event: QDropEvent) -> None:  # noqa: N802
+        """Take what was dropped."""
+        if self._drop_site is not None and self._is_offered:
+            self._is_offered = False
+            event.acceptProposedAction()
+            self._drop_site.drop()
+            self.viewport().update()
 
     # --- Mouse and keyboard ---------------------------------------------------------------------------------
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+    def cursor_at(self, at: QPointF) -> Qt.CursorShape:
         """Show by the cursor what a press would do."""
-        super().mouseMoveEvent(event)
-        if event.buttons() == Qt.MouseButton.NoButton:
-            over_line = self._part_at(event.position()) is not None
-            plain = Qt.CursorShape.CrossCursor if self.is_drawing else Qt.CursorShape.ArrowCursor
-            self.viewport().setCursor(Qt.CursorShape.SizeAllCursor if over_line else plain)
+        if self._part_at(at) is not None:
+            return Qt.CursorShape.SizeAllCursor
+        return Qt.CursorShape.CrossCursor if self.is_drawing else Qt.CursorShape.ArrowCursor
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
-        """Draw a line with Enter, take it away with Delete."""
+    def takes_key(self, event: QKeyEvent) -> bool:
+        """Draw a line with Enter, take it away with Delete, move its end with Shift and arrows."""
         if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and self.is_drawing and self.extent:
             self.draw_across()
         elif event.key() == Qt.Key.Key_Delete and self.line is not None:
             self.set_line(None)
-        elif event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self._nudge(event.key()):
-            return
         else:
-            super().keyPressEvent(event)
+            return bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier) and self._nudge(event.key())
+        return True
 
     def _nudge(self, key: int) -> bool:
         """Move the end of the line by Shift and an arrow, five pixels at a time."""

@@ -1,7 +1,8 @@
-"""The bar that says what went wrong: one sentence a message, there until dismissed."""
+"""The bar that says what went wrong or has to be decided: one sentence a message, there until dismissed."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -29,12 +30,25 @@ SHOWN = 3
 
 
 @dataclass(frozen=True)
+class Choice:
+    """What can be done about a message."""
+
+    text: str
+    tip: str
+    do: Callable[[], object]
+
+
+@dataclass(frozen=True)
 class Message:
-    """What the operator should know, and what would help whoever mends it."""
+    """What the operator should know, what would help whoever mends it, and what can be done.
+
+    Dismissing a message that has choices is the last of them.
+    """
 
     level: Level
     sentence: str
     details: str = ""
+    choices: tuple[Choice, ...] = ()
 
 
 class MessageBar(QWidget):
@@ -63,13 +77,14 @@ class MessageBar(QWidget):
         """All that has not been dismissed, the newest first."""
         return tuple(row.message for row in self._rows)
 
-    def tell(self, level: Level, sentence: str, details: str = "") -> None:
+    def tell(self, level: Level, sentence: str, details: str = "", choices: Sequence[Choice] = ()) -> None:
         """Show a message; one that is there already moves to the top instead of standing there twice."""
-        message = Message(level, sentence, details)
+        message = Message(level, sentence, details, tuple(choices))
         for row in [row for row in self._rows if row.message == message]:
             self._remove(row)
         row = _Row(message, self._theme, self)
-        row.dismissed.connect(self._dismiss)
+        row.dismissed.connect(self._leave)
+        row.chosen.connect(self._choose)
         self._rows.insert(0, row)
         self._layout.insertWidget(0, row)
         self._arrange()
@@ -79,19 +94,28 @@ class MessageBar(QWidget):
         """Take the newest message away; False when there was none, so that Esc can mean something else."""
         if not self._rows:
             return False
-        self._dismiss(self._rows[0])
+        self._leave(self._rows[0])
         return True
 
     def dismiss_all(self) -> None:
-        """Take every message away."""
-        while self.dismiss_newest():
-            pass
+        """Take every message away that asks nothing."""
+        for row in [row for row in self._rows if not row.message.choices]:
+            self._dismiss(row)
 
     def set_theme(self, theme: Theme) -> None:
         """Draw the icons in the colours of another theme."""
         self._theme = theme
         for row in self._rows:
             row.set_theme(theme)
+
+    def _leave(self, row: _Row) -> None:
+        """Dismiss a message; of one that asks something, that is the last answer."""
+        self._choose(row, row.message.choices[-1] if row.message.choices else None)
+
+    def _choose(self, row: _Row, choice: Choice | None) -> None:
+        self._dismiss(row)
+        if choice is not None:
+            choice.do()
 
     def _dismiss(self, row: _Row) -> None:
         had_focus = row.isAncestorOf(self.focusWidget()) if self.focusWidget() else False
@@ -119,6 +143,7 @@ class _Row(QFrame):
     """One message."""
 
     dismissed = Signal(object)  # this row
+    chosen = Signal(object, object)  # this row, Choice
 
     def __init__(self, message: Message, theme: Theme, parent: QWidget) -> None:
         super().__init__(parent)
@@ -151,8 +176,17 @@ class _Row(QFrame):
         line.addWidget(sentence, 1)
         if self.message.details:
             line.addWidget(self._unfold_button())
+        for choice in self.message.choices:
+            line.addWidget(self._choice_button(choice))
         line.addWidget(self.close_button)
         return line
+
+    def _choice_button(self, choice: Choice) -> QPushButton:
+        button = QPushButton(choice.text, self)
+        button.setToolTip(choice.tip)
+        button.setAutoDefault(False)
+        button.clicked.connect(lambda: self.chosen.emit(self, choice))
+        return button
 
     def _unfold_button(self) -> QToolButton:
         button = _button("unfold", "Show or hide what lies behind this message", self)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from dataclasses import field as made_by
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stepfield.pillars import StepField
 from stepfield_app.scenes.legend import Legend
 
 Place = tuple[float, float]
@@ -69,6 +71,10 @@ class Section:
         Of the layers, of Unassigned in the last row.
     total : int
         Points in the band, of which ``distance`` may be a sample.
+    pillars : ndarray of shape (m,), int64
+        Indices of the pillars into the step-field.
+    field : StepField or None
+        The step-field they are of.
     """
 
     start: Place
@@ -82,6 +88,8 @@ class Section:
     pillar_codes: NDArray[np.uint8]
     colours: NDArray[np.uint8]
     total: int
+    pillars: NDArray[np.int64] = made_by(default_factory=lambda: np.zeros(0, np.int64))
+    field: StepField | None = None
 
 
 @dataclass(frozen=True, eq=False)

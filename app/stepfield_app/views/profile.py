@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QRectF, QSignalBlocker, Signal
 from PySide6.QtGui import QIcon, QPainter
 from PySide6.QtWidgets import QToolButton, QVBoxLayout, QWidget
@@ -12,6 +14,7 @@ from stepfield_app.scenes.units import format_length
 from stepfield_app.theme import Theme
 from stepfield_app.views.dots import Blocks, Dots
 from stepfield_app.views.extent import Extent
+from stepfield_app.views.outlines import SelectedBlocks
 from stepfield_app.views.overlay import Overlay
 from stepfield_app.views.pictures import Section
 from stepfield_app.views.plot import Plot
@@ -23,12 +26,15 @@ EMPTY = "Turn on “Profile line” above the map and draw a line: points and pi
 FLATTEST = 0.02
 #: Free room above and below the points, as a share of their height.
 HEADROOM = 0.08
+NONE = np.zeros((0, 4))
 
 
 class ProfileView(QWidget):
     """Shows a finished section, and says how wide it should be."""
 
     width_changed = Signal(float)
+    #: Another section is shown, or none.
+    section_changed = Signal()
     #: Distance along the line and elevation under the cursor, metres.
     cursor_moved = Signal(float, float)
     #: Place (x, y) on the line under the cursor.
@@ -78,6 +84,11 @@ class ProfileView(QWidget):
         """What is shown."""
         return self._section
 
+    def set_selected(self, is_selected: NDArray[np.bool_]) -> None:
+        """Outline some pillars of the section, shape (m,); none with an empty array."""
+        spans = self._section.spans[is_selected] if self._section is not None and len(is_selected) else NONE
+        self.plot.selected.set_spans(spans)
+
     def set_section(self, section: Section | None) -> None:
         """Show a finished section; None says how to get one."""
         self._section = section
@@ -90,6 +101,7 @@ class ProfileView(QWidget):
             self._take_width(section.width)
             self.plot.show_section(section)
         self._describe()
+        self.section_changed.emit()
 
     def set_cell_size(self, cell_size: float) -> None:
         """Let the width be stepped by compartments."""
@@ -140,9 +152,9 @@ class ProfilePlot(Plot):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("distance from A", "elevation", equal_scales=False, parent=parent)
-        self.blocks, self.dots = Blocks(), Dots()
+        self.blocks, self.dots, self.selected = Blocks(), Dots(), SelectedBlocks()
         self._readout = ""
-        for item in (self.blocks, self.dots):
+        for item in (self.blocks, self.dots, self.selected):
             self.addItem(item, ignoreBounds=True)
 
     def show_section(self, section: Section) -> None:

@@ -6,9 +6,12 @@ from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QStatusBar, QToolButton, QWidget
 
 from stepfield_app.appearance import icon, numbers_font
+from stepfield_app.views.strip import Detail
 from stepfield_app.wording import counted, duration, grouped, short
 
 _GAP = 24
+#: Milliseconds that a sentence stays over the figures.
+SAID_FOR = 6000
 
 
 class Status(QStatusBar):
@@ -29,6 +32,10 @@ class Status(QStatusBar):
         self._work.cancel.clicked.connect(self.cancel_wanted)
         for figure in (self._position, self._cell, self._result, self._points, self._time):
             self.addWidget(figure)
+        self._selection = Detail()
+        self._selection.setProperty("role", "")
+        self._selection.setAccessibleName("Selection")
+        self.addWidget(self._selection, 1)
         self.addPermanentWidget(self._work)
 
     def show_position(self, x: float, y: float, z: float | None = None, decimals: int = 2) -> None:
@@ -39,6 +46,14 @@ class Status(QStatusBar):
     def show_cell(self, row: int, column: int, surfaces: int) -> None:
         """Say which compartment the pointer is in and how many surfaces it has."""
         self._cell.setText(f"cell {column}, {row}: {counted(surfaces, 'surface')}")
+
+    def show_selection(self, *wordings: str) -> None:
+        """Say what is selected, in the longest of these wordings that there is room for."""
+        self._selection.say(*wordings)
+
+    def say(self, sentence: str) -> None:
+        """Say for a while what was done, or why not."""
+        self.showMessage(sentence, SAID_FOR)
 
     def clear_position(self) -> None:
         """Say nothing of the pointer: it is over no data."""

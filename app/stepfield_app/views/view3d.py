@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import (
     QColor,
+    QContextMenuEvent,
     QImage,
     QKeyEvent,
     QMouseEvent,
@@ -15,20 +14,19 @@ from PySide6.QtGui import (
     QResizeEvent,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QSizePolicy, QWidget
+from PySide6.QtWidgets import QApplication, QSizePolicy, QWidget
 
 from stepfield_app.render.client import RenderClient
 from stepfield_app.render.scene import Frame
 from stepfield_app.scenes.legend import Legend
 from stepfield_app.theme import DARK, Theme
 from stepfield_app.views import navigation
+from stepfield_app.views.lateness import UPDATING, Lateness
 from stepfield_app.views.overlay import Overlay, small_font
+from stepfield_app.views.tool import Grip
 from stepfield_app.views.viewpoint import Viewpoint
 
 Place = tuple[float, float, float]
-
-#: Milliseconds that pass before a newer result that is under way is mentioned: most arrive sooner.
-PATIENCE = 250
 
 #: What a view says while it has no picture, by the state of the Open3D process.
 SENTENCES = {
@@ -38,25 +36,6 @@ SENTENCES = {
 }
 
 
-class Tool(Protocol):
-    """Something that takes the mouse before the camera does, and paints over the picture."""
-
-    def press(self, view: Canvas, at: QPointF) -> bool:
-        """Take the press, or leave it to the camera."""
-
-    def drag(self, view: Canvas, at: QPointF) -> None:
-        """Follow the mouse after a press that was taken."""
-
-    def release(self) -> None:
-        """Let go."""
-
-    def hover(self, view: Canvas, at: QPointF) -> bool:
-        """Say whether a press here would be taken."""
-
-    def paint(self, view: Canvas, painter: QPainter) -> None:
-        """Paint over the picture."""
-
-
 class Canvas(QWidget):
     """The picture of one view with its overlay; follows the shared viewpoint."""
 
@@ -64,21 +43,23 @@ class Canvas(QWidget):
     hovered = Signal(object)
     #: Name of the view.
     resized = Signal(str)
+    #: Logical pixel at which a menu should open.
+    menu_wanted = Signal(QPointF)
 
     def __init__(
         self, name: str, client: RenderClient, viewpoint: Viewpoint, parent: QWidget | None = None
     ) -> None:
         super().__init__(parent)
         self.name = name
-        self.tool: Tool | None = None
+        self.grip: Grip[Canvas] = Grip(self, self)
         self._client, self._viewpoint = client, viewpoint
         self._theme, self._trouble = DARK, ""
         self._legend: Legend | None = None
-        self._empty_text, self._is_late = "", False
-        self._patience = QTimer(self, singleShot=True, interval=PATIENCE)
-        self._patience.timeout.connect(self._mention)
+        self._empty_text = ""
+        self._lateness = Lateness(self)
+        self._lateness.changed.connect(self.update)
         self._drag: navigation.Drag | None = None
-        self._tool_has_mouse = False
+        self._pressed = QPointF()
         self._button = Qt.MouseButton.NoButton
         self._zoom: tuple[QPointF, Place] | None = None
         self.setAccessibleName(f"3-D view: {name}")
@@ -110,16 +91,7 @@ class Canvas(QWidget):
 
     def set_pending(self, is_pending: bool) -> None:
         """Mark the picture as of older parameters, unless the newer one arrives in a moment."""
-        if not is_pending:
-            self._patience.stop()
-            self._is_late = False
-            self.update()
-        elif not self._is_late and not self._patience.isActive():
-            self._patience.start()
-
-    def _mention(self) -> None:
-        self._is_late = True
-        self.update()
+        self._lateness.set_pending(is_pending)
 
     @property
     def frame(self) -> Frame | None:
@@ -163,16 +135,15 @@ class Canvas(QWidget):
             return
         painter.drawImage(area, _image(frame))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        if self.tool is not None:
-            self.tool.paint(self, painter)
+        self.grip.paint(painter)
         if self._legend is not None:
             overlay.legend(self._legend)
         overlay.scale(self._viewpoint.camera, self.pixels, self.devicePixelRatioF())
         overlay.axes(self._viewpoint.camera)
         if self._trouble:
             overlay.note(self._trouble, self._theme.warning)
-        elif self._is_late:
-            overlay.note("updating…", self._theme.muted)
+        elif self._lateness:
+            overlay.note(UPDATING, self._theme.muted)
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         """Ask for a picture of the new size."""
@@ -183,13 +154,9 @@ class Canvas(QWidget):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """Give the press to the tool, else hold the scene; one button at a time."""
-        if self._is_held:
+        if self._drag is not None or self.grip.press(event):
             return
-        self._button = event.button()
-        is_left = event.button() == Qt.MouseButton.LeftButton
-        if is_left and self.tool is not None and self.tool.press(self, event.position()):
-            self._tool_has_mouse = True
-            return
+        self._button, self._pressed = event.button(), event.position()
         button = navigation.starts_drag(event.button(), event.modifiers())
         if button is not None:
             ratio = self.devicePixelRatioF()
@@ -197,38 +164,49 @@ class Canvas(QWidget):
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """Follow the mouse."""
-        if self._tool_has_mouse and self.tool is not None:
-            self.tool.drag(self, event.position())
+        if self.grip.move(event):
+            self.hovered.emit(self.place_at(event.position()))
         elif self._drag is not None:
             self._viewpoint.look(self._drag.moved(event.position()))
         else:
-            self._hover(event.position())
+            self._hover(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Let go, of what the button has taken hold."""
-        if event.button() != self._button:
+        """Let go, of what the button has taken hold; a right click that has not moved asks for a menu."""
+        if self.grip.release(event) or event.button() != self._button:
             return
-        if self._tool_has_mouse and self.tool is not None:
-            self.tool.release()
-        self._tool_has_mouse, self._drag = False, None
+        was_held, self._drag = self._drag is not None, None
+        way = (event.position() - self._pressed).manhattanLength()
+        if (
+            was_held
+            and event.button() == Qt.MouseButton.RightButton
+            and way < QApplication.startDragDistance()
+        ):
+            self.menu_wanted.emit(event.position())
 
-    @property
-    def _is_held(self) -> bool:
-        return self._tool_has_mouse or self._drag is not None
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:  # noqa: N802
+        """Open a menu by its key; the mouse asks for one by a click, as a drag pans."""
+        event.accept()
+        if event.reason() == QContextMenuEvent.Reason.Keyboard:
+            self.menu_wanted.emit(QRectF(self.rect()).center())
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        """Turn around what was clicked from now on."""
+        """Turn around what was clicked from now on; to a tool it is one more press."""
+        if self.grip.press(event):
+            return
         place = self.place_at(event.position())
         if event.button() == Qt.MouseButton.LeftButton and place is not None:
             self._viewpoint.look(self._viewpoint.camera.with_centre(place))
 
     def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802
-        """Zoom to the cursor."""
+        """Give the wheel to the tool, else zoom to the cursor."""
+        event.accept()
+        if self.grip.wheel(event):
+            return
         notches = event.angleDelta().y() / 120
         if notches:
             towards = self._zoom_target(event.position())
             self._viewpoint.look(navigation.zoomed(self._viewpoint.camera, notches, towards))
-        event.accept()
 
     def _zoom_target(self, at: QPointF) -> Place:
         """Keep to one place while the wheel turns: pictures on the way have no depth to pick another from."""
@@ -237,21 +215,29 @@ class Canvas(QWidget):
         return self._zoom[1]
 
     def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
-        """Orbit, pan and zoom by keys."""
+        """Offer the key to the tool, else orbit, pan and zoom."""
+        if self.grip.key(event, is_down=True):
+            return
         camera = navigation.keyed(self._viewpoint.camera, event.key(), event.modifiers(), self.pixels)
         if camera is None:
             super().keyPressEvent(event)
         else:
             self._viewpoint.look(camera)
 
+    def keyReleaseEvent(self, event: QKeyEvent) -> None:  # noqa: N802
+        """Offer the key to the tool."""
+        if not self.grip.key(event, is_down=False):
+            super().keyReleaseEvent(event)
+
     def leaveEvent(self, event: object) -> None:  # noqa: N802
         """Say that nothing is under the cursor."""
+        self.grip.leave()
         self.hovered.emit(None)
 
-    def _hover(self, at: QPointF) -> None:
-        would_take = self.tool is not None and self.tool.hover(self, at)
-        self.setCursor(Qt.CursorShape.PointingHandCursor if would_take else Qt.CursorShape.ArrowCursor)
-        self.hovered.emit(self.place_at(at))
+    def _hover(self, event: QMouseEvent) -> None:
+        if not self.grip.hover(event):
+            self.setCursor(Qt.CursorShape.ArrowCursor)
+        self.hovered.emit(self.place_at(event.position()))
 
     # --- Places ---------------------------------------------------------------------------------------------
 

@@ -183,9 +183,11 @@ def _layer(layer: Layer, result: Reconstruction) -> LayerEntry:
 
 
 def _why_unassigned(result: Reconstruction) -> str:
-    few = int(np.count_nonzero(result.field.points < result.parameters.min_points))
-    crowded = int(np.count_nonzero(result.automatic.layer == UNASSIGNED) - few)
-    by_hand = result.layering.unassigned - few - crowded
+    unassigned = result.layering.layer == UNASSIGNED
+    has_few = result.field.points < result.parameters.min_points
+    was_assigned = result.automatic.layer != UNASSIGNED
+    few, by_hand = (int(np.count_nonzero(unassigned & why)) for why in (has_few, was_assigned))
+    crowded = result.layering.unassigned - few - by_hand
     reasons = {
         f"fewer than {result.parameters.min_points} points": few,
         f"more than {result.automatic.count} pillars in their compartment": crowded,
