@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import CoreSchema, core_schema
+from pydantic_core import CoreSchema, core_schema, to_json
 
 #: x0, y0, x1, y1, z_low, z_high.
 SIDES = 6
+#: Boxes written at once: some milliseconds of work.
+PIECE = 1000
 
 
 class Boxes:
@@ -56,6 +58,11 @@ class Boxes:
 
     def __repr__(self) -> str:
         return f"Boxes({len(self)})"
+
+    def listed(self) -> bytes:
+        """Return the boxes as JSON, some on a line; in pieces, so that other threads get their turn."""
+        pieces = (self.array[at : at + PIECE] for at in range(0, len(self), PIECE))
+        return b"[" + b",\n".join(to_json(piece.tolist())[1:-1] for piece in pieces) + b"]"
 
     @property
     def _bits(self) -> NDArray[np.int64]:

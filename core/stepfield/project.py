@@ -18,6 +18,8 @@ from stepfield.parameters import Coordinate, Frozen, Parameters
 
 VERSION: Literal[1] = 1
 
+#: Where the pillars of a move go in its JSON.
+_NO_PILLARS = b'"pillars": []'
 #: What happens where two pillars claim one place. swap: they change places. leave: the present one keeps it.
 #: fewest: the one of fewer points (ties: the higher) becomes unassigned. exchange: of two whole layers, all.
 Conflict = Literal["swap", "leave", "fewest", "exchange"]
@@ -104,7 +106,12 @@ class Project(Document):
 
     def content(self) -> bytes:
         """Return the project as its file holds it: the same bytes for an equal project."""
-        return self.model_dump_json(exclude_none=True, indent=1).encode() + b"\n"
+        bare = tuple(move.model_copy(update={"pillars": Boxes()}) for move in self.moves)
+        text = self.model_copy(update={"moves": bare}).model_dump_json(exclude_none=True, indent=1).encode()
+        first, *others = text.split(_NO_PILLARS)  # in a text of the operator's, quotes would be escaped
+        lists = (move.pillars.listed() for move in self.moves)
+        filled = (b'"pillars": ' + boxes + rest for boxes, rest in zip(lists, others, strict=True))
+        return b"".join((first, *filled, b"\n"))
 
     def save(self, path: Path) -> None:
         """Write the project whole or not at all."""
