@@ -48,12 +48,45 @@ def move_to(
     locked : collection of int
         Layers that nothing goes into or out of.
     """
+    plan, going = _weighed(result, chosen, target, conflict, locked)
+    if not plan.moved:
+        return plan
+    layer = result.layering.layer
+    move = Move(
+        text=plan.text,
+        to=_destination(result, target, going),
+        conflict=conflict,
+        pillars=np.vstack([result.field.boxes(going), margins(result.field, layer, going)]),
+    )
+    return replace(plan, moves=(move,))
+
+
+def forecast(
+    result: Reconstruction,
+    chosen: Mask,
+    target: int | str,
+    *,
+    conflict: Literal["swap", "leave"] = "swap",
+    locked: Collection[int] = (),
+) -> Plan:
+    """Return :func:`move_to` without its moves: what would come of it, at a fraction of the work."""
+    return _weighed(result, chosen, target, conflict, locked)[0]
+
+
+def _weighed(
+    result: Reconstruction,
+    chosen: Mask,
+    target: int | str,
+    conflict: Literal["swap", "leave"],
+    locked: Collection[int],
+) -> tuple[Plan, Integers]:
+    """Count what a move would come to; also say which pillars go."""
     number, name = (
         (len(result.layers), target) if isinstance(target, str) else (target, _name(result, target))
     )
     reason = _why_no_name(result, target) if isinstance(target, str) else _why_locked(result, locked, target)
     if reason:
-        return Plan(f"Move pillars to {name}", reason=reason)
+        return Plan(f"Move pillars to {name}", reason=reason), np.zeros(0, np.int64)
     state, pillars = _state(result), np.flatnonzero(chosen)
     free = pillars[~_is_locked(state, pillars, locked)]
     going = _going(state, free, number)
@@ -66,14 +99,8 @@ def move_to(
         made=number if isinstance(target, str) else None,
     )
     if not change.outcome.moved:
-        return replace(plan, made=None, reason=_why_none_goes(plan, len(pillars), name))
-    move = Move(
-        text=plan.text,
-        to=_destination(result, target, going),
-        conflict=conflict,
-        pillars=np.vstack([result.field.boxes(going), margins(result.field, state.layer, going)]),
-    )
-    return replace(plan, moves=(move,))
+        plan = replace(plan, made=None, reason=_why_none_goes(plan, len(pillars), name))
+    return plan, going
 
 
 def merge(result: Reconstruction, source: int, target: int, locked: Collection[int] = ()) -> Plan:

@@ -18,7 +18,7 @@ class Plan:
     text : str
         Name of the undo step.
     moves : tuple of Move
-        Empty when nothing can be done.
+        Empty when nothing can be done, and in a forecast.
     moved, swapped, left, unassigned : int
         As in :class:`~stepfield.moves.Outcome`.
     locked : int

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -235,3 +237,18 @@ def test_the_command_writes_the_same_bytes_as_the_window(window: Window, tmp_pat
     assert [path.name for path in ours] == [path.name for path in theirs]
     for one, other in zip(ours, theirs, strict=True):
         assert one.read_bytes() == other.read_bytes()
+
+
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(seeds, st.sampled_from(["swap", "leave"]))
+def test_a_forecast_counts_what_the_plan_counts(
+    scan: Path, seed: int, conflict: Literal["swap", "leave"]
+) -> None:
+    """The row under the pointer is told the forecast; the drop carries out the plan."""
+    result, rng = Window(scan).result, np.random.default_rng(seed)
+    chosen = rng.random(len(result.field)) < rng.random()
+    for target in (*range(len(result.layers)), UNASSIGNED, "Another"):
+        locked = [layer for layer in range(len(result.layers)) if rng.random() < 0.2]
+        told = moving.forecast(result, chosen, target, conflict=conflict, locked=locked)
+        plan = moving.move_to(result, chosen, target, conflict=conflict, locked=locked)
+        assert told == replace(plan, moves=())

@@ -142,12 +142,12 @@ class Editor(QObject):
     def move_to(self, target: int | str) -> None:
         """Move the selection to a layer, to Unassigned (-1), or to a new layer of a name."""
         layers = (target,) if isinstance(target, int) and target != UNASSIGNED else ()
-        work = partial(self._planned_move, target)
+        work = partial(_planned_move, target)
         self._wishes.want(Wish(work, self.carry_out, layers, of_selection=True))
 
     def new_layer(self, move_selection: bool = False) -> None:
         """Make a layer, empty or of the selection."""
-        work = self._planned_new_layer if move_selection else Situation.new_layer
+        work = _planned_new_layer if move_selection else Situation.new_layer
         self._wishes.want(Wish(work, self.carry_out, of_selection=move_selection))
 
     def merge(self, source: int, target: int) -> None:
@@ -195,13 +195,6 @@ class Editor(QObject):
         self._wishes.want(Wish(lambda now: now.standing_at(move), self.selection.set))
 
     # --- Doing it -------------------------------------------------------------------------------------------
-
-    def _planned_move(self, target: int | str, now: Situation) -> Plan:
-        """Plan a move, unless that was done ahead; runs on the worker."""
-        return self._previews.made_for(target, now) or now.move_to(target)
-
-    def _planned_new_layer(self, now: Situation) -> Plan:
-        return self._planned_move(now.new_name, now)
 
     def carry_out(self, plan: Plan, gesture: Gesture | None = None, heir: int = 0) -> None:
         """Make a plan of the present result an undo step, or tell why nothing can be done.
@@ -252,3 +245,11 @@ def _account(plan: Plan) -> str:
 
 def _sentence(reason: str) -> str:
     return f"{reason[:1].upper()}{reason[1:]}"
+
+
+def _planned_move(target: int | str, now: Situation) -> Plan:
+    return now.move_to(target)
+
+
+def _planned_new_layer(now: Situation) -> Plan:
+    return now.move_to(now.new_name)

@@ -54,14 +54,10 @@ class Previews(QObject):
         now = self._look()
         if now is None:
             return None
-        return self.made_for(target if isinstance(target, int) else now.new_name, now)
-
-    def made_for(self, target: int | str, situation: Situation) -> Plan | None:
-        """Plan for a target and a situation, if it is made; may be called from any thread."""
         planning = self._planning
-        if planning is None or not situation.is_as(planning.situation):
+        if planning is None or not now.is_as(planning.situation):
             return None
-        return planning.plans.get(target)
+        return planning.plans.get(target if isinstance(target, int) else now.new_name)
 
     def make_soon(self) -> None:
         """Make plans once the selection rests."""
@@ -91,5 +87,5 @@ def _plan_all_moves(planning: _Planning, progress: Progress) -> None:
     situation, plans = planning.situation, planning.plans
     layers = range(len(situation.result.layers))
     for target in (*layers, UNASSIGNED, situation.new_name):
-        plans[target] = situation.move_to(target)
+        plans[target] = situation.forecast(target)
         progress(len(plans) / (len(layers) + 2), "planning moves")

@@ -58,6 +58,10 @@ class Situation:
         """Plan to move the selection."""
         return moving.move_to(self.result, self.chosen, target, conflict=self.conflict, locked=self.locked)
 
+    def forecast(self, target: int | str) -> Plan:
+        """Tell what moving the selection would come to."""
+        return moving.forecast(self.result, self.chosen, target, conflict=self.conflict, locked=self.locked)
+
     def new_layer(self) -> Plan:
         """Plan an empty layer."""
         return moving.new_layer(self.result, self.new_name)

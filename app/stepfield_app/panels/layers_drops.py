@@ -88,7 +88,7 @@ class LayersDrops(QObject):
         if self._dragged is not None:
             return self._new_number() != self._dragged
         plan = self._plan()
-        return plan is None or bool(plan.moves)
+        return plan is None or not plan.reason
 
     def _plan(self) -> Plan | None:
         return None if self._target is None else self._editor.preview(self._target)
@@ -109,7 +109,7 @@ class LayersDrops(QObject):
         plan = self._plan()
         if plan is None:
             return COUNTING
-        return Notice(plan.sentence, is_refusal=not plan.moves)
+        return Notice(plan.sentence, is_refusal=bool(plan.reason))
 
     def _scroll(self) -> None:
         """Scroll while the hand is near an end of the list."""

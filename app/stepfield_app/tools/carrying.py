@@ -67,7 +67,7 @@ class MapDrop(QObject):
         name, plan = self._editor.name_of(self._view.layer), self._editor.preview(self._view.layer)
         if plan is None:
             return Offer(f"{name}…", True)
-        return Offer(f"{name}: {plan.sentence if plan.moves else plan.reason}", bool(plan.moves))
+        return Offer(f"{name}: {plan.sentence}", not plan.reason)
 
     def drop(self) -> None:
         """Move them."""

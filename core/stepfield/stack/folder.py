@@ -25,7 +25,9 @@ STALE = 60
 
 
 @contextlib.contextmanager
-def new_folder(target: Path, may_replace: Callable[[Path], bool] | None) -> Iterator[Path]:
+def new_folder(
+    target: Path, may_replace: Callable[[Path], bool] | None, what: str = "a stack"
+) -> Iterator[Path]:
     """Give a temporary folder to fill, and put it at ``target`` when the block ends well.
 
     Parameters
@@ -34,6 +36,8 @@ def new_folder(target: Path, may_replace: Callable[[Path], bool] | None) -> Iter
         May be missing or an empty folder.
     may_replace : callable or None
         Whether the folder found at ``target`` may be replaced; None refuses any that is not empty.
+    what : str
+        What ``may_replace`` takes, for sentences.
 
     Raises
     ------
@@ -43,17 +47,17 @@ def new_folder(target: Path, may_replace: Callable[[Path], bool] | None) -> Iter
     target = Path(os.path.realpath(target))
     made: list[Path] = []
     try:
-        _refuse(target, may_replace)
+        _refuse(target, may_replace, what)
         made += [folder for folder in target.parents if not folder.exists()]
         target.parent.mkdir(parents=True, exist_ok=True)
         with _temporary(target) as temporary:
             yield temporary
             _give_usual_rights(temporary)
-            _put(temporary, target, may_replace)
+            _put(temporary, target, may_replace, what)
         _remove_stale(target)
     except OSError as error:
         raise StackError(
-            f"{target}: cannot write the stack ({reason(error)}); choose another folder"
+            f"{target}: cannot write {what.replace('a ', 'the ', 1)} ({reason(error)}); choose another folder"
         ) from None
     finally:
         with contextlib.suppress(OSError):
@@ -109,7 +113,7 @@ def _remove_stale(target: Path) -> None:
                             shutil.rmtree(folder, ignore_errors=True)
 
 
-def _refuse(target: Path, may_replace: Callable[[Path], bool] | None) -> None:
+def _refuse(target: Path, may_replace: Callable[[Path], bool] | None, what: str) -> None:
     """Raise StackError unless ``target`` is missing, empty, or may be replaced."""
     if not os.path.lexists(target):
         return
@@ -123,18 +127,18 @@ def _refuse(target: Path, may_replace: Callable[[Path], bool] | None) -> None:
         raise StackError(f"{target}: the folder is not empty; use --overwrite or another name")
     if not may_replace(target):
         raise StackError(
-            f"{target}: holds something other than a stack, so it is not replaced; use another name"
+            f"{target}: holds something other than {what}, so it is not replaced; use another name"
         )
 
 
-def _put(temporary: Path, target: Path, may_replace: Callable[[Path], bool] | None) -> None:
+def _put(temporary: Path, target: Path, may_replace: Callable[[Path], bool] | None, what: str) -> None:
     """Move the finished folder to its place; an old stack steps aside first and is then removed."""
     aside = temporary.with_name(f"{temporary.name}-old")
     for _ in range(ATTEMPTS):
         with contextlib.suppress(OSError):
             os.rename(temporary, target)  # also over an empty folder
             return
-        _refuse(target, may_replace)
+        _refuse(target, may_replace, what)
         try:
             os.rename(target, aside)
             os.rename(temporary, target)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -19,7 +20,12 @@ COMPRESSION = 2
 
 
 def write_stack(
-    result: Reconstruction, folder: Path, *, overwrite: bool = False, progress: Progress = silent
+    result: Reconstruction,
+    folder: Path,
+    *,
+    overwrite: bool = False,
+    progress: Progress = silent,
+    also: Callable[[Path], None] | None = None,
 ) -> Manifest:
     """Write a reconstruction as a stack of height-maps.
 
@@ -30,6 +36,8 @@ def write_stack(
         Missing or empty, or with ``overwrite`` a stack to replace.
     overwrite : bool
     progress : Progress
+    also : callable, optional
+        Adds to the folder, which holds the whole stack by then, before it is put into place.
 
     Returns
     -------
@@ -52,6 +60,8 @@ def write_stack(
                 lifted += raised
         manifest = describe(result, lifted)
         (new / FILE_NAME).write_text(manifest.text(), encoding="utf-8")
+        if also is not None:
+            also(new)
     progress(1.0, "done")
     return manifest
 
