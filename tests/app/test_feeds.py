@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -138,6 +138,24 @@ def test_a_new_answer_keeps_the_camera(bench: Bench, near: Path) -> None:
     bench.document.set_parameters("Alpha", alpha=0.9)
     bench.settle()
     assert bench.trio.viewpoint.camera == camera
+
+
+def test_blocks_that_nobody_could_tell_apart_are_joined_until_the_camera_comes_nearer(
+    bench: Bench, near: Path
+) -> None:
+    """The finest blocks of a million pillars are ten million triangles: seconds, for what no view shows."""
+    bench.open(near, **PARAMETERS)
+    bench.scene_feed.set_visible((0, 1))
+    bench.settle()
+    fitted = bench.trio.viewpoint.camera
+    fine = len(bench.client.scenes[PILLARS].meshes[0].triangles)
+    bench.trio.viewpoint.look(replace(fitted, distance=40 * fitted.distance))
+    bench.document.set_parameters("Alpha", alpha=0.9)
+    bench.settle()
+    assert len(bench.client.scenes[PILLARS].meshes[0].triangles) < fine / 3
+    bench.trio.viewpoint.look(fitted)
+    bench.qtbot.waitUntil(lambda: len(bench.client.scenes[PILLARS].meshes[0].triangles) == fine)
+    bench.settle()
 
 
 def test_hidden_layers_leave_the_scenes(bench: Bench, near: Path) -> None:
@@ -280,6 +298,28 @@ def test_the_map_follows_the_active_layer(plots: Plots, near: Path) -> None:
         plots.bench.document.set_active_layer(layer)
         plots.settle()
         assert (plots.pictures[-1].layer, plots.pictures[-1].name) == (layer, name)
+
+
+def test_while_a_hand_moves_the_map_is_thin_and_then_whole_again(
+    plots: Plots, far: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """If it failed, a drag would leave the map of a large scan coarse, or shift it by half a compartment."""
+    monkeypatch.setattr("stepfield_app.feeds.plots.QUICK_PIXELS", 50)
+    plots.bench.open(far, **PARAMETERS)
+    plots.settle()
+    whole, document = plots.pictures[-1], plots.bench.document
+    gesture = document.begin_gesture()
+    document.set_parameters("Alpha", gesture, alpha=0.8)
+    plots.bench.qtbot.waitUntil(lambda: not document.pending and plots.feed.is_idle)
+    thin = plots.pictures[-1]
+    step = round(thin.cell_size / whole.cell_size)
+    assert step > 1
+    assert np.array_equal(thin.pixels[:, :, 3], whole.pixels[::step, ::step, 3])
+    assert thin.west + thin.cell_size / 2 == pytest.approx(whole.west + whole.cell_size / 2)
+    assert thin.north - thin.cell_size / 2 == pytest.approx(whole.north - whole.cell_size / 2)
+    document.end_gesture(gesture)
+    plots.settle()
+    assert plots.pictures[-1].pixels.shape == whole.pixels.shape
 
 
 def test_the_map_lies_where_the_scan_lies(plots: Plots, far: Path) -> None:

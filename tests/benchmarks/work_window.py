@@ -22,6 +22,10 @@ from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, QTimer
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
+sys.path.insert(0, str(Path(__file__).parents[2]))  # run as a script
+from tests.benchmarks.clock import Clock, Report, Task, Wait, Watch, is_past, settled
+from tests.benchmarks.edit_task import edit
+
 from stepfield.pipeline import Pipeline
 from stepfield_app import application
 from stepfield_app.main_window import MainWindow
@@ -29,75 +33,13 @@ from stepfield_app.newest import NewestWins
 from stepfield_app.panels.parameters import cell_range, height_range
 from stepfield_app.render.scene import CLOUD, VIEWS
 
-Wait = Callable[[], bool]
-Report = dict[str, Any]
-Task = Callable[[MainWindow, Report, "Clock"], Iterator[Wait]]
-
-#: How long and how often the hand moves, and how often the event loop is asked to tick, seconds.
-DRAG_SECONDS, MOVES_A_SECOND, TICK = 5.0, 60, 0.005
+#: How long and how often the hand moves, seconds.
+DRAG_SECONDS, MOVES_A_SECOND = 5.0, 60
 #: Size of the views together, as the figures are given for.
 VIEW_SIZE = (1600, 1000)
 #: Lengths each slider is dragged between, metres.
 SLIDERS = {"tolerance": (0.2, 0.8), "alpha": (0.1, 1.0), "cell_size": (0.2, 0.6)}
 PARAMETER = {"tolerance": "layer_tolerance", "alpha": "alpha", "cell_size": "cell_size"}
-
-
-class Clock(QObject):
-    """Ticks every few milliseconds, notes when it really did, and takes the next step when it is time."""
-
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        self.ticks: list[float] = []
-        self.at_tick: list[Callable[[], None]] = []
-        self._wait: Wait = lambda: True
-        self._todo: Iterator[Wait] = iter(())
-        self._timer = QTimer(self, interval=int(TICK * 1000), timerType=Qt.TimerType.PreciseTimer)
-        self._timer.timeout.connect(self._tick)
-
-    def start(self, todo: Iterator[Wait]) -> None:
-        """Begin."""
-        self._todo = todo
-        self._timer.start()
-
-    def _tick(self) -> None:
-        self.ticks.append(time.perf_counter())
-        waiting, self.at_tick = self.at_tick, []
-        for call in waiting:
-            call()
-        try:
-            while self._wait():
-                self._wait = next(self._todo)
-        except StopIteration:
-            self._timer.stop()
-
-
-class Watch(QObject):
-    """Calls back when a widget is painted."""
-
-    def __init__(self, widget: QWidget, call: Callable[[], None]) -> None:
-        super().__init__(widget)
-        self._widget, self._call = widget, call
-        widget.installEventFilter(self)
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Look for paint events only."""
-        if event.type() == QEvent.Type.Paint:
-            self._call()
-        return False
-
-    def end(self) -> None:
-        """Look no more."""
-        self._widget.removeEventFilter(self)
-
-
-def is_past(moment: float) -> bool:
-    """Whether a moment of the performance counter has come."""
-    return time.perf_counter() >= moment
-
-
-def settled(window: MainWindow) -> bool:
-    """Whether the scan is open and everything is drawn."""
-    return window.document.answer is not None and window.is_settled()
 
 
 # --- Tasks --------------------------------------------------------------------------------------------------
@@ -151,7 +93,7 @@ def grow(window: MainWindow, report: Report, clock: Clock) -> Iterator[Wait]:
     report["after"] = held()
 
 
-TASKS: dict[str, Task] = {"start": start, "tune": tune, "orbit": orbit, "grow": grow}
+TASKS: dict[str, Task] = {"start": start, "tune": tune, "orbit": orbit, "grow": grow, "edit": edit}
 
 
 # --- Dragging -----------------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -28,6 +29,8 @@ Floats = NDArray[np.float64]
 SOLID_MODES = (("layer", "Layer"), ("height", "Height"))
 #: Blocks, or pixels of the layers, while a hand moves: about what a moving picture shows of them.
 QUICK_BLOCKS = 40_000
+#: Blocks narrower than so many pixels are joined.
+FINE = 2.0
 #: Size of a mark as a share of the scan's diagonal.
 MARK_SHARE = 0.004
 POINT_MODES = {
@@ -60,6 +63,8 @@ class Wish:
     theme : Theme
     marks : ndarray of shape (n, 3), float64, or None
         Places to mark in the cloud, scan coordinates, metres.
+    joined : int
+        How often compartments are joined two by two before they are drawn: from afar nobody sees it.
     quick : bool
         Whether pillars and layers may be coarse: a hand moves, and the next picture comes soon.
     """
@@ -72,6 +77,7 @@ class Wish:
     visible: tuple[int, ...]
     theme: Theme
     marks: Floats | None = None
+    joined: int = 0
     quick: bool = False
 
     @property
@@ -158,28 +164,30 @@ class Drawing:
     def _of_pillars(self, wish: Wish) -> Picture:
         mode = wish.modes[PILLARS]
         stride = stride_for(len(wish.result.field), QUICK_BLOCKS) if wish.quick else 1
+        joined = 0 if wish.quick else wish.joined
         return self._solid(
             wish,
             PILLARS,
             lambda: blocks.blocks(
-                wish.result, wish.origin, wish.colours, wish.visible, mode=mode, stride=stride
+                wish.result, wish.origin, wish.colours, wish.visible, mode=mode, stride=stride, joined=joined
             ),
         )
 
     def _of_layers(self, wish: Wish) -> Picture:
         mode = wish.modes[RECONSTRUCTION]
-        most = QUICK_BLOCKS if wish.quick else surfaces.MOST_PIXELS
+        most, least = QUICK_BLOCKS if wish.quick else surfaces.MOST_PIXELS, 1 << wish.joined
         return self._solid(
             wish,
             RECONSTRUCTION,
             lambda: surfaces.surfaces(
-                wish.result, wish.origin, wish.colours, wish.visible, mode=mode, most=most
+                wish.result, wish.origin, wish.colours, wish.visible, mode=mode, most=most, least=least
             ),
         )
 
     def _solid(self, wish: Wish, view: str, make: Callable[[], tuple[Triangles, ...]]) -> Picture:
         mode = wish.modes[view]
-        meshes = self._once(view, (wish.result, mode, wish.colours, wish.visible, str(wish.quick)), make)
+        detail = f"{wish.quick} {wish.joined}"
+        meshes = self._once(view, (wish.result, mode, wish.colours, wish.visible, detail), make)
         legend = _heights(wish.result) if mode == "height" else _layers(wish, view)
         return Picture(_scene(wish, self._shown(wish), meshes=meshes), legend)
 
@@ -197,6 +205,11 @@ class Drawing:
         made = make()
         self._parts[name] = (key, made)
         return made
+
+
+def joins_for(cell_size: float, grain: float) -> int:
+    """How often compartments can be joined until they are ``FINE`` pixels wide, of ``grain`` metres each."""
+    return max(0, math.floor(math.log2(FINE * grain / cell_size)))
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from stepfield_app.document import Document
 from stepfield_app.facts import ScanFacts
-from stepfield_app.feeds.drawing import POINT_MODES, SOLID_MODES, Drawing, Drawn, Wish
+from stepfield_app.feeds.drawing import POINT_MODES, SOLID_MODES, Drawing, Drawn, Wish, joins_for
 from stepfield_app.newest import NewestWins
 from stepfield_app.render.camera import Camera
 from stepfield_app.render.client import RenderClient
@@ -58,6 +58,7 @@ class SceneFeed(QObject):
         self.origin = np.zeros(3)
         self.cloud: Cloud | None = None
         self._fits = self._is_late = self._owes_detail = False
+        self._joined = 0
         self._breath = QTimer(self, singleShot=True)
         self._breath.timeout.connect(self._catch_up)
         self._drawing = NewestWins[Wish, Drawn](Drawing(), "drawing", self)
@@ -69,6 +70,7 @@ class SceneFeed(QObject):
         document.held_changed.connect(self._hold)
         trio.colour_chosen.connect(self._choose_colour)
         trio.arranged.connect(self.ask)
+        trio.viewpoint.changed.connect(self._sharpen)
 
     @property
     def is_idle(self) -> bool:
@@ -113,7 +115,23 @@ class SceneFeed(QObject):
         colours = layer_colours(len(answer.result.layers), self._document.project.layers)
         views, modes = self._trio.shown, dict(choices.modes)
         look = choices.visible, choices.theme, choices.marks
-        self._drawing.ask(Wish(answer, self.origin, views, modes, colours, *look, quick=is_held))
+        joined = self._joined = self._joins(answer)
+        self._drawing.ask(
+            Wish(answer, self.origin, views, modes, colours, *look, quick=is_held, joined=joined)
+        )
+
+    def _joins(self, answer: Answer) -> int:
+        """How often compartments may be joined before anybody sees it, as near as the camera is."""
+        facts = self._document.facts
+        bounds = np.reshape(facts.bounds, (2, 3)) - self.origin if self._fits and facts else None
+        grain = self._trio.grain(None if bounds is None else (bounds[0], bounds[1]))
+        return joins_for(answer.result.field.compartments.grid.cell_size, grain)
+
+    def _sharpen(self) -> None:
+        """Draw finer blocks once the camera rests nearer."""
+        answer = self._document.answer
+        if answer is not None and not self._trio.viewpoint.is_moving and self._joins(answer) < self._joined:
+            self.ask()
 
     def _hold(self, is_held: bool) -> None:
         """Draw coarsely and at a calmer pace while a hand moves; then all there is."""

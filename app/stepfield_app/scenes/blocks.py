@@ -69,6 +69,7 @@ def blocks(
     levels: int = LEVELS,
     mode: Mode = "layer",
     stride: int = 1,
+    joined: int = 0,
 ) -> tuple[Triangles, ...]:
     """Return the step-field in levels of detail, the finest first.
 
@@ -86,9 +87,14 @@ def blocks(
         Colour by ``layer``, or by ``height`` over :func:`height_range`.
     stride : int
         Every how manieth row and column of compartments is drawn.
+    joined : int
+        How often compartments are joined two by two before the finest level.
     """
     span = local_span(result, origin) if mode == "height" else None
-    return meshes(step_field(result, origin, visible, stride), colours, span, levels)
+    stack = step_field(result, origin, visible, stride)
+    for _ in range(joined):
+        stack = coarser(stack)
+    return meshes(stack, colours, span, levels)
 
 
 def height_range(result: Reconstruction) -> tuple[float, float]:

@@ -42,6 +42,7 @@ def surfaces(
     way: Way = "simulator",
     mode: Mode = "layer",
     most: int = MOST_PIXELS,
+    least: int = 1,
 ) -> tuple[Triangles, ...]:
     """Return the visible layers in levels of detail, the finest first.
 
@@ -60,6 +61,8 @@ def surfaces(
         Colour by ``layer``, or by ``height`` over :func:`~stepfield_app.scenes.blocks.height_range`.
     most : int
         Pixels of the finest level, about.
+    least : int
+        Every so manieth row and column at most.
     """
     span = local_span(result, origin) if mode == "height" else None
     layers = [layer for layer in result.layers if layer.index in visible]
@@ -67,7 +70,7 @@ def surfaces(
         made = [meshes(own_columns(result, layer, origin), colours, span, LEVELS) for layer in layers]
         return tuple(merged([levels[min(i, len(levels) - 1)] for levels in made]) for i in range(LEVELS))
     indices = [layer.index for layer in layers]
-    finest = stride_for(sum(len(layer.pillars) for layer in layers), most)
+    finest = max(least, stride_for(sum(len(layer.pillars) for layer in layers), most))
     return tuple(
         merged(
             [

@@ -128,6 +128,13 @@ class Trio(QWidget):
         if self.viewpoint.camera is self._fitted:
             self.fit()
 
+    def grain(self, bounds: Bounds | None = None) -> float:
+        """Metres that a pixel spans at the centre, of the present camera or one that frames some bounds."""
+        size, camera = self.canvases[self.shown[0]].pixels, self.viewpoint.camera
+        if bounds is not None:
+            camera = Camera.fitting(*bounds, size, camera.azimuth, camera.elevation, camera.parallel)
+        return camera.metres_per_pixel(size)
+
     # --- What they show -------------------------------------------------------------------------------------
 
     def set_theme(self, theme: Theme) -> None:
