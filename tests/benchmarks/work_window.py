@@ -216,9 +216,9 @@ def turn(window: MainWindow, views: Sequence[str], report: Report) -> Iterator[W
     report["size"] = canvas.pixels
     report["pictures"] = min(len(points) for points in moved.values())
     report["points"] = int(np.median(moved[CLOUD])) if moved[CLOUD] else 0
-    frame = window.client.frame(CLOUD)
-    assert frame is not None
-    report["full"] = (frame.points, frame.covered)
+    full = {view: frame for view in views if (frame := window.client.frame(view)) is not None}
+    report["full"] = full[CLOUD].points, full[CLOUD].covered
+    report["each"] = {view: (frame.seconds, frame.triangles) for view, frame in full.items()}
 
 
 def mouse(widget: QWidget, kind: QEvent.Type, place: tuple[int, int]) -> None:
