@@ -139,7 +139,7 @@ class Document(QObject):
 
     def close_scan(self) -> None:
         """Close the scan: an empty document."""
-        self._runner.cancel()
+        self._runner.forget()
         self._stop_opening()
         self._undo_stack.clear()
         self._project, self._answer, self._facts = Project(), None, None
@@ -177,10 +177,10 @@ class Document(QObject):
     def end_gesture(self, gesture: Gesture) -> None:
         """Say that the hand has stopped, so that an exact result follows a preview."""
         self._gestures.remove(gesture)
-        if not self._gestures:
-            self.held_changed.emit(False)
         if not self._gestures and self._opening is None:
             self._runner.settle()
+        if not self._gestures:
+            self.held_changed.emit(False)
 
     def edit(self, text: str, project: Project, gesture: object | None = None) -> None:
         """Take the project a step further.

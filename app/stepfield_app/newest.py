@@ -82,7 +82,7 @@ class NewestWins(QObject, Generic[Asked, Answered]):
         self._running: _Job | None = None
         self._waiting: _Job | None = None
         self._closed = self._said_busy = False
-        self._jobs: SimpleQueue[_Job | None] = SimpleQueue()
+        self._jobs: SimpleQueue[_Job | Callable[[], None] | None] = SimpleQueue()
         self._thread = Thread(target=self._work, name=name, daemon=True) if threaded else None
         self._reported.connect(self._receive, Qt.ConnectionType.QueuedConnection)
         if self._thread:
@@ -111,6 +111,15 @@ class NewestWins(QObject, Generic[Asked, Answered]):
         if self._running:
             self._running.cancelled.set()
         self._say_whether_busy()
+
+    def forget(self) -> None:
+        """Cancel, and let a function that remembers earlier work forget it, on its own thread."""
+        self.cancel()
+        forget: Callable[[], None] | None = getattr(self._function, "forget", None)
+        if forget and self._thread:
+            self._jobs.put(forget)
+        elif forget:
+            forget()
 
     def close(self) -> None:
         """Cancel, and wait until the thread has ended. Nothing can be asked afterwards."""
@@ -166,6 +175,9 @@ class NewestWins(QObject, Generic[Asked, Answered]):
     def _work(self) -> None:
         """Do one job after the other; the body of the thread."""
         while (job := self._jobs.get()) is not None:
+            if not isinstance(job, _Job):
+                job()
+                continue
             report = self._done(job, self._reported.emit)
             job = None  # an idle worker must not keep a large answer alive
             self._reported.emit(report)

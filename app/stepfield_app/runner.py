@@ -40,6 +40,10 @@ class _Work:
     """What the worker remembers between requests; only its thread touches it."""
 
     def __init__(self) -> None:
+        self.forget()
+
+    def forget(self) -> None:
+        """Give the memory of the last scan back."""
         self._scans: Any = None
         self._pipeline = Pipeline()
         self._facts: ScanFacts | None = None
@@ -124,6 +128,12 @@ class Runner(QObject):
         """Stop; the last request gets no answer."""
         self._newest = self._previewed = None
         self._stop()
+
+    def forget(self) -> None:
+        """Stop, and give the memory of the last scan back."""
+        self.cancel()
+        self._sorted, self._points = None, 0
+        self._worker.forget()
 
     def close(self) -> None:
         """Stop, and wait until the thread has ended."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -402,6 +404,21 @@ def test_the_histogram_counts_every_point(plots: Plots, near: Path) -> None:
     assert shown is not None
     assert int(np.asarray(shown.counts).sum()) == len(answer.result.scan)
     assert [name for name, _, _ in shown.levels] == ["Layer 1", "Layer 2"]
+
+
+def test_a_closed_scan_gives_its_memory_back(plots: Plots, near: Path) -> None:
+    """Workers remember what they made last: of ten million points that is more than a gigabyte."""
+    plots.bench.open(near, **PARAMETERS)
+    plots.settle()
+    assert plots.bench.document.answer is not None
+    scan = weakref.ref(plots.bench.document.answer.result.scan)
+    plots.bench.document.close_scan()
+
+    def is_gone() -> bool:
+        gc.collect()
+        return scan() is None
+
+    plots.bench.qtbot.waitUntil(is_gone)
 
 
 def test_nothing_under_way_fills_the_plots_of_a_closed_scan(plots: Plots, near: Path) -> None:

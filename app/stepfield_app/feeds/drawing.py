@@ -114,6 +114,11 @@ class Drawing:
         self._cloud: Cloud | None = None
         self._parts: dict[str, tuple[tuple[Any, ...], Any]] = {}
 
+    def forget(self) -> None:
+        """Give the memory of the last scan back."""
+        self._cloud = None
+        self._parts.clear()
+
     def __call__(self, wish: Wish, progress: Progress) -> Drawn:
         """Draw the views that are shown."""
         start, shown = time.perf_counter(), self._shown(wish)

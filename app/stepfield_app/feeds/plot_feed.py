@@ -87,7 +87,7 @@ class PlotFeed(QObject):
     def _take(self, answer: Answer | None) -> None:
         if answer is None:
             for worker in self._workers:
-                worker.cancel()
+                worker.forget()
             self._map.clear()
             self._profile.set_section(None)
             self._histogram.set_histogram(None)

@@ -116,6 +116,10 @@ class Cutting:
         self._of: tuple[Cloud, ProfileLine] | None = None
         self._band: Band | None = None
 
+    def forget(self) -> None:
+        """Give the memory of the last scan back."""
+        self._of = self._band = None
+
     def __call__(self, wish: SectionWish, progress: Progress) -> Section:
         """Cut the scan and its pillars along a line."""
         line = wish.line

@@ -68,6 +68,7 @@ class SceneFeed(QObject):
         document.answer_changed.connect(self._take)
         document.opened.connect(self._begin)
         document.held_changed.connect(self._hold)
+        document.busy_changed.connect(lambda _: self._pay())
         trio.colour_chosen.connect(self._choose_colour)
         trio.arranged.connect(self.ask)
         trio.viewpoint.changed.connect(self._sharpen)
@@ -136,7 +137,12 @@ class SceneFeed(QObject):
     def _hold(self, is_held: bool) -> None:
         """Draw coarsely and at a calmer pace while a hand moves; then all there is."""
         self._trio.viewpoint.set_held(is_held)
-        if not is_held and self._owes_detail:
+        if not is_held:
+            self._pay()
+
+    def _pay(self) -> None:
+        """Draw all there is of what a hand left coarse, unless a newer result is on its way."""
+        if self._owes_detail and not self._document.held and not self._document.busy:
             self.ask()
 
     def _catch_up(self) -> None:
@@ -157,7 +163,7 @@ class SceneFeed(QObject):
 
     def _take(self, answer: Answer | None) -> None:
         if answer is None:
-            self._drawing.cancel()
+            self._drawing.forget()
             self.cloud = None
             for view in VIEWS:
                 self._client.set_scene(view, EMPTY)
