@@ -9,7 +9,8 @@ venv="$root/.venv"
 unset PYTHONPATH PYTHONHOME # a sourced ROS workspace puts its own packages and pytest plugins in the way
 
 # What the wheels expect of the system: package, what it brings (a shared library, "font" or a command), the dependency
-# that needs it. A line counts once pyproject.toml names its dependency, those of "dev" for the tests only. The packages
+# that needs it. A line counts once pyproject.toml names its dependency, those of "dev" for the tests only, those of
+# "dev?" where the system has them: without, some tests are skipped and say so. The packages
 # bring the rest themselves, software OpenGL included: libgl1 and libegl1 depend on Mesa's drivers.
 system_packages=(
     "libexpat1 libexpat.so.1 rasterio"
@@ -36,6 +37,8 @@ system_packages=(
     "fonts-dejavu-core font PySide6-Essentials"
     "xdotool xdotool dev"
     "xvfb Xvfb dev"
+    "ignition-tools ign dev?"
+    "libsdformat-dev libsdformat12.so.12 dev?"
 )
 
 say() { printf '%s\n' "$*" >&2; }
@@ -179,7 +182,11 @@ missing_for_wheels() {
     local extras=$1 package brings dependency libraries
     libraries=$(PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null) || return 0
     while read -r package brings dependency; do
-        [[ $dependency == "$extras" ]] || is_dependency "$dependency" || continue
+        if [[ $dependency == "dev?" ]]; then
+            [[ $extras == dev && -n $(candidate "$package") ]] || continue
+        else
+            [[ $dependency == "$extras" ]] || is_dependency "$dependency" || continue
+        fi
         is_there "$brings" "$libraries" || echo "$package"
     done < <(printf '%s\n' "${system_packages[@]}")
 }

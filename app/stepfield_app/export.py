@@ -15,9 +15,10 @@ from PIL import Image
 from stepfield.heightmap import HeightMap
 from stepfield.progress import Progress, silent
 from stepfield.reconstruction import Reconstruction
-from stepfield.stack import Manifest, write_stack
+from stepfield.stack import Manifest
 from stepfield.stack.manifest import LayerEntry, describe
 from stepfield.stack.write import COMPRESSION, is_stack
+from stepfield.targets.writing import write_stack_and_targets
 
 Pixels = NDArray[np.uint8] | NDArray[np.uint16]
 
@@ -65,21 +66,23 @@ class StackPreview:
 
 @dataclass(frozen=True)
 class Export:
-    """What is to be written, and where."""
+    """What is to be written, where, and for which simulators besides."""
 
     result: Reconstruction
     folder: Path
     overwrite: bool = False
+    targets: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Exported:
-    """What was written."""
+    """What was written; ``notes`` say what a simulator cannot hold."""
 
     folder: Path
     manifest: Manifest
     files: int
     bytes: int
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -115,16 +118,19 @@ def preview(result: Reconstruction, progress: Progress = silent) -> StackPreview
 
 
 def export(wanted: Export, progress: Progress = silent) -> Exported:
-    """Write a stack.
+    """Write a stack, and what simulators need of it.
 
     Raises
     ------
-    StackError
+    StackError, TargetError
         In one sentence; the folder is then as it was.
     """
-    manifest = write_stack(wanted.result, wanted.folder, overwrite=wanted.overwrite, progress=progress)
-    sizes = [path.stat().st_size for path in wanted.folder.iterdir()]
-    return Exported(wanted.folder, manifest, len(sizes), sum(sizes))
+    manifest, targets = write_stack_and_targets(
+        wanted.result, wanted.folder, wanted.targets, overwrite=wanted.overwrite, progress=progress
+    )
+    sizes = [path.stat().st_size for path in wanted.folder.rglob("*") if path.is_file()]
+    notes = tuple(f"{name}: {note}" for name, made in targets.items() for note in made.notes)
+    return Exported(wanted.folder, manifest, len(sizes), sum(sizes), notes)
 
 
 def target(folder: Path) -> Target:

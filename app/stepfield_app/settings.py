@@ -16,7 +16,7 @@ Files = tuple[Path, ...]
 
 MOST_RECENT = 10
 #: Raise it when docks are renamed or added: an older arrangement is then left alone.
-ARRANGEMENT = 1
+ARRANGEMENT = 2
 
 
 class Settings:
@@ -68,6 +68,15 @@ class Settings:
     def remember_folder(self, purpose: str, folder: Path) -> None:
         """Start there next time."""
         self._store.setValue(f"folders/{purpose}", str(folder.absolute()))
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """Names of the simulators that were exported for last."""
+        return tuple(filter(None, self._text("targets").split(" ")))
+
+    @targets.setter
+    def targets(self, names: Sequence[str]) -> None:
+        self._store.setValue("targets", " ".join(names))
 
     @property
     def geometry(self) -> QByteArray:

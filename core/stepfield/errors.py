@@ -25,6 +25,10 @@ class TargetError(StepfieldError):
     """A simulator's files cannot hold a stack, or not as asked."""
 
 
+class SimulationError(StepfieldError):
+    """A robot cannot be driven: no MuJoCo, no ground to start on, no mesh."""
+
+
 class ProjectError(StepfieldError):
     """A project file cannot be read or written."""
 

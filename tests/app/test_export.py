@@ -92,7 +92,8 @@ def built(scan: Path, folder: Path, *options: str) -> dict[str, bytes]:
 
 def files_of(folder: Path) -> dict[str, bytes]:
     """Return the files of a folder by name."""
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
+    files = (path for path in folder.rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
 def written(dialog: ExportDialog, qtbot: QtBot) -> dict[str, bytes]:
@@ -117,6 +118,18 @@ def test_same_bytes_as_the_command(
         document.set_parameters("All at once", **values)
     assert written(dialog, qtbot) == built(scan, tmp_path / "by command", *options)
     assert dialog.folder_choice.folder == tmp_path / "table"
+
+
+def test_targets_are_those_of_the_command_and_chosen_again_next_time(
+    scan: Path, document: Document, dialog: ExportDialog, tmp_path: Path, qtbot: QtBot
+) -> None:
+    """If it failed, a world would have to be made again on the command line, and might differ."""
+    for name in ("geotiff", "gazebo"):
+        dialog.targets.boxes[name].setChecked(True)
+    targets = ["--target", "geotiff", "--target", "gazebo"]
+    assert written(dialog, qtbot) == built(scan, tmp_path / "by command", *targets)
+    assert "geotiff: the scan has no coordinate reference system" in dialog.warnings
+    assert Settings().targets == ("geotiff", "gazebo")
 
 
 def test_the_exact_result_is_waited_for(
@@ -229,7 +242,7 @@ def test_an_export_can_be_stopped(
         while True:
             progress(0.5, "writing")
 
-    monkeypatch.setattr(exporting, "write_stack", endless)
+    monkeypatch.setattr(exporting, "write_stack_and_targets", endless)
     dialog.start()
     qtbot.waitUntil(lambda: dialog.outcome.startswith("Writing"))
     dialog.reject()

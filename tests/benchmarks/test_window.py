@@ -54,6 +54,7 @@ def work(task: str, display: dict[str, str], folder: Path, scans: list[Path], *o
     report = folder / "report.json"
     own = {"HOME": str(folder), "OPTIONS": " ".join(options), "PYDANTIC_DISABLE_PLUGINS": "__all__"}
     own |= {"XDG_CONFIG_HOME": str(folder / "config"), "XDG_CACHE_HOME": str(folder / "cache")}
+    own |= {"PYTHONPYCACHEPREFIX": str(folder / "compiled"), "PYTHONDONTWRITEBYTECODE": ""}  # as installed
     command = [sys.executable, str(WORK), task, str(report), *map(str, scans)]
     subprocess.run(command, check=True, env={**os.environ, **display, **own}, timeout=1200)
     return json.loads(report.read_text())

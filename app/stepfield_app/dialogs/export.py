@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from PySide6.QtCore import Qt, QUrl
@@ -14,6 +15,7 @@ from stepfield_app.appearance import icon
 from stepfield_app.dialogs.folder_choice import FolderChoice
 from stepfield_app.dialogs.stack_options import StackOptions
 from stepfield_app.dialogs.stack_view import StackView
+from stepfield_app.dialogs.target_choice import TargetChoice
 from stepfield_app.document import Document
 from stepfield_app.export import Export, Exported, StackPreview, export, preview, proposed_folder
 from stepfield_app.newest import NewestWins
@@ -45,6 +47,7 @@ class ExportDialog(QDialog):
         self.folder_choice = FolderChoice(proposed_folder(settings.folder("export"), document.scans), self)
         self.stack_view = StackView(theme, self)
         self._options = StackOptions(document, self)
+        self.targets = TargetChoice(settings.targets, self)
         self._warnings = _sentence("warnings of the stack", "warning")
         self._outcome = _sentence("outcome")
         self._bar = _progress_bar()
@@ -122,23 +125,29 @@ class ExportDialog(QDialog):
         self._wanted = False
         choice = self.folder_choice
         self._say(f"Writing to {choice.folder}…")
-        self._writer.ask(Export(self._document.answer.result, choice.folder, choice.overwrite))
+        result, targets = self._document.answer.result, self.targets.names
+        self._writer.ask(Export(result, choice.folder, choice.overwrite, targets))
 
     def _show_preview(self, result: Reconstruction, stack: StackPreview) -> None:
         self.stack_view.show_preview(stack)
-        found = stack.manifest.warnings
-        more = [f"and {len(found) - _MOST_WARNINGS} more, in the manifest"][: len(found) > _MOST_WARNINGS]
-        self._warnings.setText("\n".join([*found[:_MOST_WARNINGS], *more]))
-        self._warnings.setVisible(bool(found))
+        self._warn(stack.manifest.warnings, "in the manifest")
         files = 2 * len(stack.layers) + 1
         if not self._wanted and not self._writer.busy and not self.show_button.isVisibleTo(self):
             self._say(f"{counted(files, 'file')}, {file_size(stack.bytes)}, will be written.")
+
+    def _warn(self, found: Sequence[str], place: str) -> None:
+        more = [f"and {len(found) - _MOST_WARNINGS} more, {place}"][: len(found) > _MOST_WARNINGS]
+        self._warnings.setText("\n".join([*found[:_MOST_WARNINGS], *more]))
+        self._warnings.setVisible(bool(found))
 
     def _show_progress(self, share: float, what: str) -> None:
         self._bar.setValue(round(1000 * share))
 
     def _tell(self, wanted: Export, made: Exported) -> None:
         self._settings.remember_folder("export", made.folder.parent)
+        self._settings.targets = wanted.targets
+        if made.notes:
+            self._warn(made.notes, "in the folders of the simulators")
         layers = counted(len(made.manifest.layers), "layer")
         self._say(f"Written: {layers} in {counted(made.files, 'file')}, {file_size(made.bytes)}.")
         self._written = made.folder
@@ -168,6 +177,7 @@ class ExportDialog(QDialog):
         self._bar.setRange(0, 1000 if self._writer.busy else 0)
         self.folder_choice.setEnabled(not writing)
         self._options.setEnabled(not writing)
+        self.targets.setEnabled(not writing)
         self.export_button.setEnabled(
             not writing and self.folder_choice.usable and self._document.answer is not None
         )
@@ -204,6 +214,7 @@ class ExportDialog(QDialog):
         layout.setSpacing(16)
         layout.addWidget(self.folder_choice)
         layout.addWidget(self._options)
+        layout.addWidget(self.targets)
         layout.addWidget(self.stack_view, 1)
         layout.addWidget(self._warnings)
         layout.addLayout(buttons)

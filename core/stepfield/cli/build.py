@@ -7,13 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from stepfield.cli.report import Reporter, counted
+from stepfield.cli.targets import Wanted, described, notes, sentences
 from stepfield.errors import ParameterError
 from stepfield.parameters import Parameters
 from stepfield.pipeline import Pipeline
 from stepfield.progress import part
 from stepfield.project import Project
 from stepfield.reconstruction import Reconstruction
-from stepfield.stack import Manifest, write_stack
+from stepfield.stack import Manifest
+from stepfield.targets.writing import write_stack_and_targets
 
 
 def build_stack(
@@ -21,22 +23,28 @@ def build_stack(
     project_file: Path | None,
     output: Path,
     given: dict[str, Any],
+    wanted: Wanted,
     *,
     overwrite: bool,
     reporter: Reporter,
 ) -> None:
     """Build the stack and say what it holds."""
-    project, paths = _project(scans, project_file)
+    project, paths = project_of(scans, project_file)
     parameters = Parameters.checked(**(project.parameters.model_dump() | given))
     with reporter.progress() as progress:
         result = Pipeline().run(paths, parameters, project.moves, project.layers, part(progress, 0, 0.8))
-        manifest = write_stack(result, output, overwrite=overwrite, progress=part(progress, 0.8, 1))
-    for warning in (*_changed(project, result), *manifest.warnings):
+        manifest, targets = write_stack_and_targets(
+            result, output, wanted.names, wanted.options, overwrite=overwrite, progress=part(progress, 0.8, 1)
+        )
+    for warning in (*changed(project, result), *manifest.warnings, *notes(targets)):
         reporter.warn(warning)
-    reporter.result({"folder": str(output)} | manifest.model_dump(mode="json"), _sentences(manifest, output))
+    values = (
+        {"folder": str(output)} | manifest.model_dump(mode="json") | (described(targets) if targets else {})
+    )
+    reporter.result(values, "\n".join([*_sentences(manifest), *sentences(targets), f"written to {output}"]))
 
 
-def _project(scans: Sequence[Path], project_file: Path | None) -> tuple[Project, Sequence[Path]]:
+def project_of(scans: Sequence[Path], project_file: Path | None) -> tuple[Project, Sequence[Path]]:
     """Return the project to build and where its scans are; bare scans make a project of their own."""
     if (project_file is None) == (not scans):
         raise ParameterError("give either scans or --project FILE, not both and not neither")
@@ -46,7 +54,7 @@ def _project(scans: Sequence[Path], project_file: Path | None) -> tuple[Project,
     return project, project.scan_paths(project_file)
 
 
-def _changed(project: Project, result: Reconstruction) -> list[str]:
+def changed(project: Project, result: Reconstruction) -> list[str]:
     """Say which scans are no longer those the project was made with."""
     pairs = zip(project.scans, result.scan.files, strict=False)
     return [
@@ -56,7 +64,7 @@ def _changed(project: Project, result: Reconstruction) -> list[str]:
     ]
 
 
-def _sentences(manifest: Manifest, output: Path) -> str:
+def _sentences(manifest: Manifest) -> list[str]:
     parameters, grid = manifest.parameters, manifest.grid
     lines = [
         f"{counted(len(manifest.layers), 'layer')}, "
@@ -71,4 +79,4 @@ def _sentences(manifest: Manifest, output: Path) -> str:
         f"mean height {layer.height_mean or 0:.3g} m"
         for layer in manifest.layers
     ]
-    return "\n".join([*lines, f"written to {output}"])
+    return lines

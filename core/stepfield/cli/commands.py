@@ -10,6 +10,7 @@ import typer
 import stepfield
 from stepfield.cli.options import with_parameters
 from stepfield.cli.report import Reporter
+from stepfield.targets import NAMES
 
 application = typer.Typer(
     help="Turn laser scans of rough, multi-level terrain into layered height-maps for robot simulators.",
@@ -22,6 +23,18 @@ application = typer.Typer(
 Scans = Annotated[list[Path], typer.Argument(metavar="SCAN", help="Files of one scan.", show_default=False)]
 MaybeScans = Annotated[
     list[Path] | None, typer.Argument(metavar="SCAN", help="Files of one scan.", show_default=False)
+]
+Targets = Annotated[
+    list[str] | None,
+    typer.Option("--target", metavar="NAME", help=f"Write for {', '.join(NAMES)} (repeatable)."),
+]
+Thicken = Annotated[
+    float | None,
+    typer.Option("--thicken", metavar="M", help="Close the targets' meshes, so thick.", show_default=False),
+]
+Decimate = Annotated[
+    float | None,
+    typer.Option("--decimate", metavar="M", help="Error of the decimated meshes.", show_default=False),
 ]
 AsJson = Annotated[bool, typer.Option("--json", metavar="", help="Print one JSON object.")]
 Debug = Annotated[bool, typer.Option("--debug", metavar="", help="Show the traceback of a failure.")]
@@ -53,6 +66,9 @@ def build(
     project: Annotated[
         Path | None, typer.Option("--project", metavar="FILE", help="Project file in place of scans.")
     ] = None,
+    target: Targets = None,
+    thicken: Thicken = None,
+    decimate: Decimate = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", metavar="", help="Replace an older stack.")
     ] = False,
@@ -63,8 +79,36 @@ def build(
 ) -> None:
     """Build a stack of height-maps from a scan."""
     from stepfield.cli.build import build_stack
+    from stepfield.cli.targets import Wanted
 
-    build_stack(scans or [], project, output, given, overwrite=overwrite, reporter=Reporter(as_json))
+    wanted = Wanted.checked(target or [], thicken, decimate)
+    build_stack(scans or [], project, output, given, wanted, overwrite=overwrite, reporter=Reporter(as_json))
+
+
+@application.command()
+def export(
+    source: Annotated[
+        Path, typer.Argument(metavar="PROJECT|STACK", help="Project file, or folder of a stack.")
+    ],
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", metavar="DIR", help="Gets a folder a target.", show_default=False),
+    ],
+    target: Targets = None,
+    thicken: Thicken = None,
+    decimate: Decimate = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", metavar="", help="Replace older folders of targets.")
+    ] = False,
+    as_json: AsJson = False,
+    debug: Debug = False,
+) -> None:
+    """Write the files of simulators and other programs from a stack."""
+    from stepfield.cli.export import export_targets
+    from stepfield.cli.targets import Wanted
+
+    wanted = Wanted.checked(target or [], thicken, decimate)
+    export_targets(source, output, wanted, overwrite=overwrite, reporter=Reporter(as_json))
 
 
 @application.command()
@@ -133,6 +177,50 @@ def synth(
     from stepfield.cli.synth import write_scene
 
     write_scene(scene, output, points, noise, seed, scanner=scanner, reporter=Reporter(as_json))
+
+
+@application.command()
+def simulate(
+    stacks: Annotated[
+        list[Path], typer.Argument(metavar="STACK", help="Folders of stacks of one scan.", show_default=False)
+    ],
+    truth: Annotated[
+        str | None,
+        typer.Option(
+            "--truth", metavar="MESH|SCENE", help="True surface, to compare with.", show_default=False
+        ),
+    ] = None,
+    scan: Annotated[
+        list[Path] | None,
+        typer.Option("--scan", metavar="SCAN", help="Compare costs with a mesh of it.", show_default=False),
+    ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option(
+            "--start", metavar="X,Y,HEADING[,Z]", help="Metres; degrees from east.", show_default=False
+        ),
+    ] = None,
+    commands: Annotated[
+        str | None,
+        typer.Option(
+            "--commands", metavar="S,M/S,DEG/S;...", help="What the robot does.", show_default=False
+        ),
+    ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="FILE.png", help="Save a strip of moments.", show_default=False),
+    ] = None,
+    viewer: Annotated[
+        bool, typer.Option("--viewer", metavar="", help="Open MuJoCo's viewer at the end.")
+    ] = False,
+    as_json: AsJson = False,
+    debug: Debug = False,
+) -> None:
+    """Drive a robot on stacks and on the truth, and compare."""
+    from stepfield.cli.simulate import Wish, simulate_stacks
+
+    wish = Wish(tuple(stacks), truth, tuple(scan or ()), start, commands, picture, viewer)
+    simulate_stacks(wish, Reporter(as_json))
 
 
 @application.command()

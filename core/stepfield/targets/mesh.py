@@ -1,0 +1,83 @@
+"""Meshes: a surface a layer, whole and decimated, in the four formats that everything reads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from stepfield.surface import Mesh
+from stepfield.targets.meshfiles import Titled, save
+from stepfield.targets.target import Options, Written, without_surface
+from stepfield.targets.terrain import Terrain, TerrainLayer
+from stepfield.targets.text import number, readme, write_text
+from stepfield.targets.thickening import thickened
+
+SUFFIXES = (".glb", ".obj", ".stl", ".ply")
+#: Where the decimated variant stands.
+DECIMATED = "decimated"
+
+
+def write(terrain: Terrain, folder: Path, options: Options) -> Written:
+    """Write every layer's surface and its decimated variant."""
+    bound = error_bound(terrain, options)
+    files: list[str] = []
+    counts = []
+    for layer in terrain.layers:
+        sizes = []
+        for place, sheet in (("", terrain.surface(layer)), (f"{DECIMATED}/", terrain.surface(layer, bound))):
+            files += _save(folder, f"{place}{layer.label}", terrain, layer, _closed(sheet, options))
+            sizes.append(len(sheet.triangles))
+        counts.append(f"{layer.label}  {sizes[0]} triangles, decimated {sizes[1]}")
+    notes = limits(terrain)
+    text = readme(terrain, "Meshes", _steps(bound, options, counts), notes)
+    write_text(folder / "README.txt", text)
+    return Written((*files, "README.txt"), tuple(notes))
+
+
+def limits(terrain: Terrain) -> list[str]:
+    """Say which layers have no surface."""
+    return without_surface(terrain)
+
+
+def error_bound(terrain: Terrain, options: Options) -> float:
+    """How far the decimated surface may be from the whole one, metres."""
+    return terrain.cell_size / 4 if options.decimate is None else options.decimate
+
+
+def _closed(sheet: Mesh, options: Options) -> Mesh:
+    return sheet if options.thicken is None else thickened(sheet, options.thicken)
+
+
+def _save(folder: Path, stem: str, terrain: Terrain, layer: TerrainLayer, mesh: Mesh) -> Iterator[str]:
+    """Write a mesh in every format, unless it is empty, and name the files."""
+    if not len(mesh.triangles):
+        return
+    title = Titled(layer.name, terrain.local_origin)
+    for suffix in SUFFIXES:
+        path = folder / f"{stem}{suffix}"
+        path.parent.mkdir(exist_ok=True)
+        save(path, mesh, title)
+        yield f"{stem}{suffix}"
+
+
+def _steps(bound: float, options: Options, counts: list[str]) -> str:
+    kind = (
+        "Open sheets, seen from both sides in GLB; --thicken M closes them."
+        if options.thicken is None
+        else f"Closed bodies: each layer is {number(options.thicken)} m thick, downwards from its surface."
+    )
+    return "\n".join(
+        [
+            "layer_NN.glb (y up, as glTF wants it: x east, y up, z south; Blender, Unity, Godot, Isaac Sim)",
+            "layer_NN.obj, .stl, .ply (z up)",
+            "The formats hold the same surface: a vertex in the middle of every compartment, two triangles",
+            "wherever four neighbouring compartments have a pillar; holes are missing triangles.",
+            kind,
+            "Tell a physics engine that it is a triangle mesh: a convex hull would fill the holes.",
+            "",
+            f"{DECIMATED}/ holds the same with fewer triangles: the same holes and edges, nowhere",
+            f"further than {number(bound)} m above or below the whole surface (--decimate M sets it).",
+            "",
+            *counts,
+        ]
+    )
