@@ -186,3 +186,13 @@ def test_other_systems_always_have_a_screen(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(sys, "platform", "darwin")
     application._find_screen(needed=True)
     assert "QT_QPA_PLATFORM" not in os.environ
+
+
+def test_the_window_waits_for_no_heavy_library() -> None:
+    """Each of them takes a quarter of a second and more, and none is needed before something is done."""
+    probe = (
+        "import sys, stepfield_app.application, stepfield_app.main_window;"
+        "print({'scipy', 'open3d', 'rasterio', 'laspy', 'pyarrow', 'PIL', 'trimesh'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", probe], check=True, capture_output=True, text=True)
+    assert done.stdout.strip() == "set()"

@@ -6,12 +6,16 @@ nearest dot follow bounds for all within it. Only for the others the nearest dot
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from stepfield_app.scenes.arrays import in_chunks
 from stepfield_app.scenes.winding import along
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -39,6 +43,8 @@ def touched(path: Floats, radius: float, middles: Floats, half: Floats) -> Mask:
     -------
     ndarray of shape (m,), bool
     """
+    from scipy.spatial import cKDTree  # half a second that no window waits for
+
     length = float(np.hypot(*np.diff(path, axis=0).T).sum())
     dots = along(path, max(max(radius, half.min()) / DOTS, length / MOST_DOTS))
     tree, farthest = cKDTree(dots), radius + float(np.hypot(*half.max(axis=0)))

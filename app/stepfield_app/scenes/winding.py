@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation
 
 from stepfield_app.scenes.arrays import in_chunks
 
@@ -68,6 +67,8 @@ def along(path: Floats, step: float) -> Floats:
 
 def _crossed(closed: Floats, across: int, down: int) -> Mask:
     """Tell which squares a path may cross, shape (down * across,)."""
+    from scipy.ndimage import binary_dilation  # no window waits for it
+
     crossed = np.zeros((down, across), bool)
     column, row = along(closed, 0.5).astype(np.int64).T
     crossed[row, column] = True
