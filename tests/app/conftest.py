@@ -14,6 +14,8 @@ os.environ["QT_QPA_PLATFORM"] = os.environ.get("STEPFIELD_TEST_PLATFORM", "offsc
 
 from PySide6.QtCore import QCoreApplication, QEvent, QSettings
 from PySide6.QtWidgets import QApplication
+from pytestqt.qtbot import QtBot
+from tests.app.editing import Desk
 
 
 @pytest.fixture(scope="package", autouse=True)
@@ -71,3 +73,12 @@ def nothing_left_behind(request: pytest.FixtureRequest) -> Iterator[None]:
     assert not left, f"widgets left open: {left}"
     threads = [thread for thread in running_threads() if thread not in before and not thread.daemon]
     assert not threads, f"threads left running: {threads}"
+
+
+@pytest.fixture
+def desk(qtbot: QtBot, tmp_path: Path) -> Iterator[Desk]:
+    """A document with layers, a selection and an editor."""
+    desk = Desk(qtbot)
+    desk.open(tmp_path)
+    yield desk
+    desk.close()

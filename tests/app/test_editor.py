@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import partial
-from pathlib import Path
 
 import numpy as np
-import pytest
 from pytestqt.qtbot import QtBot
 from tests.app.editing import Desk
 
 from stepfield.layers import UNASSIGNED
 from stepfield.moving import Plan
 from stepfield_app.editor.wishes import CHANGED_MEANWHILE, NOTHING_SELECTED
-
-
-@pytest.fixture
-def desk(qtbot: QtBot, tmp_path: Path) -> Iterator[Desk]:
-    desk = Desk(qtbot)
-    desk.open(tmp_path)
-    yield desk
-    desk.close()
 
 
 def one_pillar_a_place(desk: Desk) -> bool:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-
 import numpy as np
 import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt
@@ -21,14 +18,6 @@ from stepfield_app.theme import DARK
 pytestmark = pytest.mark.qt_log_ignore("propagateSizeHints")  # which the platform without a screen lacks
 
 OK = QDialogButtonBox.StandardButton.Ok
-
-
-@pytest.fixture
-def desk(qtbot: QtBot, tmp_path: Path) -> Iterator[Desk]:
-    desk = Desk(qtbot)
-    desk.open(tmp_path)
-    yield desk
-    desk.close()
 
 
 @pytest.fixture

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt
 from PySide6.QtGui import QDragEnterEvent, QDragLeaveEvent, QDragMoveEvent, QDropEvent
@@ -24,14 +21,6 @@ from stepfield_app.panels.summary import summaries
 from stepfield_app.theme import LIGHT
 
 pytestmark = pytest.mark.qt_log_ignore("propagateSizeHints")  # which the platform without a screen lacks
-
-
-@pytest.fixture
-def desk(qtbot: QtBot, tmp_path: Path) -> Iterator[Desk]:
-    desk = Desk(qtbot)
-    desk.open(tmp_path)
-    yield desk
-    desk.close()
 
 
 @pytest.fixture

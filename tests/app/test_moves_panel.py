@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
@@ -21,14 +18,6 @@ from stepfield_app.theme import LIGHT
 pytestmark = pytest.mark.qt_log_ignore("propagateSizeHints")  # which the platform without a screen lacks
 
 FLOOR_ONLY = (0.0, 0.0, 0.0, 6.0, 4.0, 10.4)
-
-
-@pytest.fixture
-def desk(qtbot: QtBot, tmp_path: Path) -> Iterator[Desk]:
-    desk = Desk(qtbot)
-    desk.open(tmp_path)
-    yield desk
-    desk.close()
 
 
 @pytest.fixture
