@@ -177,6 +177,7 @@ class MainWindow(QMainWindow):
             source.failed.connect(self.tell)
         for says in (self.editor.told, self.suspect_feed.told):
             says.connect(self.status.say)
+        document.undo_stack.indexChanged.connect(lambda _: self.status.clearMessage())  # undone, perhaps
         self.layers.visibility_changed.connect(self._show_layers)
         self.moves.places_shown.connect(self.selection_feed.show_places)
         self.cleaning.crop_tool_requested.connect(self.crop_tool.set_active)

@@ -2,65 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
-import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import psutil
 import pytest
 from PIL import Image
 from tests.conftest import REPOSITORY
-
-DRIVER = REPOSITORY / "tests" / "e2e" / "drive_window.py"
-#: What the driver's own platform settings would hide from the real window.
-HIDDEN = {"QT_QPA_PLATFORM", "WAYLAND_DISPLAY"}
-
-
-@pytest.fixture(scope="module")
-def display() -> Iterator[str]:
-    """A screen of our own, 1600x1000."""
-    if not all(map(shutil.which, ("Xvfb", "xdotool"))):
-        pytest.skip("Xvfb and xdotool are needed to work the real window")
-    reading, writing = os.pipe()
-    server = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1600x1000x24", "-nolisten", "tcp"],
-        pass_fds=[writing],
-        stderr=subprocess.DEVNULL,
-    )
-    os.close(writing)
-    with os.fdopen(reading) as file:
-        number = file.readline().strip()
-    yield f":{number}"
-    server.terminate()
-    server.wait()
-
-
-def environment(folder: Path, display: str | None) -> dict[str, str]:
-    """Environment with settings and caches of its own."""
-    own = {name: value for name, value in os.environ.items() if name not in HIDDEN | {"DISPLAY"}}
-    own |= {
-        "HOME": str(folder),
-        "XDG_CONFIG_HOME": str(folder / "config"),
-        "XDG_CACHE_HOME": str(folder / "cache"),
-    }
-    return own | ({"DISPLAY": display, "QT_QPA_PLATFORM": "xcb"} if display else {})
-
-
-def left_running(folder: Path) -> list[str]:
-    """Processes that still run with this test's home."""
-    found = []
-    for process in psutil.process_iter():
-        with contextlib.suppress(psutil.Error):
-            if process.environ().get("HOME") == str(folder):
-                found.append(" ".join(process.cmdline()))
-    return found
+from tests.e2e.homes import environment, left_running
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +23,8 @@ def driven(
     """What came of working the window: the report, its folder and the scan."""
     scan, folder = real_scan("data__room_scan1.pcd"), tmp_path_factory.mktemp("driven")
     done = subprocess.run(
-        [sys.executable, str(DRIVER), str(scan), str(folder)],
+        [sys.executable, "-m", "tests.e2e.drive_window", str(scan), str(folder)],
+        cwd=REPOSITORY,
         env=environment(folder, display),
         capture_output=True,
         text=True,

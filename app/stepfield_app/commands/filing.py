@@ -227,8 +227,8 @@ class Filing(QObject):
             "info",
             draft.sentence(datetime.now()),
             choices=(
-                Choice("Recover", "Open them; they are kept until you save", lambda: self._recover(draft)),
-                Choice("Discard", "Remove them for good", lambda: recovery.discard(draft)),
+                Choice("&Recover", "Open them; they are kept until you save", lambda: self._recover(draft)),
+                Choice("&Discard", "Remove them for good", lambda: recovery.discard(draft)),
                 Choice("Later", "Ask again at the next start (Esc)", lambda: recovery.leave(draft)),
             ),
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from stepfield.layers import UNASSIGNED
 from stepfield_app.actions import Actions
 from stepfield_app.panels.move_menu import KEYS
 
@@ -36,6 +37,11 @@ def make(actions: Actions, window: MainWindow) -> None:
     for wish, text, keys, glyph, tip in OF_LAYER:
         do = getattr(window.layer_editing, wish)
         actions.make(f"layer {wish}", text, do, keys=keys, glyph=glyph, tip=tip)
+    for name, text, keys, step in (
+        ("layer above", "Go to the layer abo&ve", "Ctrl+PgUp", 1),
+        ("layer below", "Go to the layer &below", "Ctrl+PgDown", -1),
+    ):
+        actions.make(name, text, partial(_go, window, step), keys=keys, tip="Make it the active one")
     actions.make("show all layers", "Show &all", window.layers.show_all, keys="Ctrl+Shift+H", glyph="visible")
     window.layer_editing.merge_wanted.connect(partial(merge, window))
     window.layer_editing.split_wanted.connect(partial(split, window))
@@ -48,7 +54,16 @@ def fill(actions: Actions) -> None:
     actions.fill(moves, [*(f"to layer {number}" for number in range(1, KEYS + 1)), "to unassigned"])
     actions.fill(moves, [None, "to new layer"])
     actions.fill(layers, [None, "new layer", "layer merge", "layer split", None, "layer up", "layer down"])
-    actions.fill(layers, ["layer toggle_locked", "layer remove", None, "show all layers"])
+    actions.fill(layers, ["layer toggle_locked", "layer remove", None])
+    actions.fill(layers, ["layer above", "layer below", "show all layers"])
+
+
+def _go(window: MainWindow, step: int) -> None:
+    """Make the next layer up or down the active one; below the lowest is Unassigned."""
+    document = window.document
+    if document.answer is not None:
+        highest = len(document.answer.result.layers) - 1
+        document.set_active_layer(min(highest, max(UNASSIGNED, document.active_layer + step)))
 
 
 def merge(window: MainWindow, source: int, target: int) -> None:
@@ -69,6 +84,9 @@ def split(window: MainWindow, layer: int) -> None:
     if answer is None or layer >= len(answer.result.layers):
         return
     of = next(target for target in window.editor.targets if target.to == layer)
+    if not len(answer.result.layers[layer].pillars):
+        window.editor.told.emit(f"{of.name} is empty: there is nothing to split")
+        return
     dialog = SplitDialog(answer.result, layer, of.name, of.colour, window.appearance.theme, window)
     if dialog.exec():
         window.editor.split(layer, dialog.elevation)

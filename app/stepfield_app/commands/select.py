@@ -126,7 +126,8 @@ def _make_reaches(actions: Actions, window: MainWindow) -> None:
     selection = window.selection
     for kind, text, keys in _REACHES:
         choose = partial(_reach, window, kind)
-        actions.make(f"reach {kind}", text, choose, keys=keys, checkable=True)
+        action = actions.make(f"reach {kind}", text, choose, keys=keys, checkable=True)
+        action.setData(f"Reach: {_uncapitalised(text.replace('&', ''))}")  # in the sheet of keys
     actions.exclusive(REACHES)
 
     def show() -> None:
@@ -134,6 +135,10 @@ def _make_reaches(actions: Actions, window: MainWindow) -> None:
 
     show()
     selection.reach_changed.connect(show)
+
+
+def _uncapitalised(text: str) -> str:
+    return text[:1].lower() + text[1:]
 
 
 def _reach(window: MainWindow, kind: ReachKind, is_chosen: bool) -> None:

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
     QMenu,
     QPushButton,
     QScrollArea,
+    QStyle,
     QVBoxLayout,
     QWidget,
 )
@@ -23,6 +24,8 @@ from PySide6.QtWidgets import (
 #: Name of an action, and its keys.
 Entry = tuple[str, str]
 _COLUMNS = 3
+#: Height of the sheet, and its margins; its width is what the columns need.
+HEIGHT, MARGIN = 640, 16
 
 
 def shortcuts_of(window: QMainWindow) -> dict[str, list[Entry]]:
@@ -48,10 +51,11 @@ class ShortcutSheet(QDialog):
         self._search.setToolTip("Show only what holds this text")
         self._search.setClearButtonEnabled(True)
         self._search.textChanged.connect(self._filter)
-        self._fill(shortcuts_of(window) | (gestures or {}))
-        self.resize(960, 640)
+        sheet = self._fill(shortcuts_of(window) | (gestures or {}))
+        beside = 2 * MARGIN + self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
+        self.resize(sheet.sizeHint().width() + beside, HEIGHT)
 
-    def _fill(self, groups: dict[str, list[Entry]]) -> None:
+    def _fill(self, groups: dict[str, list[Entry]]) -> QWidget:
         columns = [QVBoxLayout() for _ in range(_COLUMNS)]
         for column, group in zip(_spread(groups), columns, strict=True):
             for title in column:
@@ -59,7 +63,7 @@ class ShortcutSheet(QDialog):
             group.addStretch()
         sheet = QWidget()
         across = QHBoxLayout(sheet)
-        across.setSpacing(32)
+        across.setSpacing(24)
         for layout in columns:
             layout.setSpacing(16)
             across.addLayout(layout, 1)
@@ -67,11 +71,12 @@ class ShortcutSheet(QDialog):
         area.setWidget(sheet)
         area.setWidgetResizable(True)
         outer = QVBoxLayout(self)
-        outer.setContentsMargins(16, 16, 16, 16)
+        outer.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
         outer.setSpacing(8)
         outer.addWidget(self._search)
         outer.addWidget(area, 1)
         outer.addLayout(_bottom(self))
+        return sheet
 
     def _group(self, title: str, entries: list[Entry]) -> QWidget:
         group = QWidget()

@@ -17,20 +17,25 @@ CELL_SIZE = Described(
     "cell_size",
     "Cell size",
     "Side of a compartment of the grid (5.1): smaller shows more, and needs more points",
+    "C",
 )
-ALPHA = Described("alpha", "Alpha", "Distance of the base plane below the lowest point of the scan (Eq. 1)")
+ALPHA = Described(
+    "alpha", "Alpha", "Distance of the base plane below the lowest point of the scan (Eq. 1)", "A"
+)
 TOLERANCE = Described(
     "layer_tolerance",
     "Tolerance",
     "Layer tolerance: a vertical gap wider than this parts two pillars of a compartment (5.3.2)",
+    "o",
 )
 LAYERING = Described(
     "layering",
     "Layering",
     "How pillars get layers (5.3.3): by average elevation, or in order from the lowest of each compartment",
+    "y",
 )
 PILLAR_HEIGHT = Described(
-    "pillar_height", "Pillar height", "Which elevation of its points a pillar is given (5.1)"
+    "pillar_height", "Pillar height", "Which elevation of its points a pillar is given (5.1)", "g"
 )
 MIN_POINTS = Described("min_points", "Least points", "A pillar of fewer points is left out of every layer")
 MAX_LAYERS = Described(

@@ -23,16 +23,18 @@ LABEL_WIDTH = 80
 
 @dataclass(frozen=True)
 class Described:
-    """A parameter as the panel presents it."""
+    """A parameter as the panel presents it; with Alt, the letter takes the keyboard there."""
 
     name: str
     title: str
     help: str
+    letter: str = ""
 
 
 def label_of(described: Described, control: QWidget) -> QLabel:
     """Return the label in front of a control."""
-    label = QLabel(described.title)
+    title, letter = described.title, described.letter
+    label = QLabel(title.replace(letter, f"&{letter}", 1) if letter else title)
     label.setToolTip(described.help)
     label.setBuddy(control)
     label.setMinimumWidth(LABEL_WIDTH)

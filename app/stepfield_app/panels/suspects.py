@@ -27,7 +27,7 @@ class SuspectsPanel(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.number, self.sentence = QLabel(), QLabel(wordWrap=True)
+        self.number, self.sentence = QLabel(wordWrap=True), QLabel(wordWrap=True)
         self.number.setAccessibleName("Suspicious places")
         self.sentence.setAccessibleName("What is suspicious")
         self.sentence.setAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop)
@@ -64,7 +64,7 @@ class SuspectsPanel(QWidget):
     def show_count(self, listed: int, found: int) -> None:
         """Say how many places there are, before one is looked at."""
         if found:
-            self._say(counted(found, "place") + _listed(listed, found), FIRST, can_step=True)
+            self._say(counted(listed, "place") + _listed(listed, found), FIRST, can_step=True)
         else:
             self._say("No places", CLEAR, can_step=False)
 

@@ -103,6 +103,10 @@ class MapSelectingTool(SelectingTool):
             return True
         return super().key(view, event, is_down)
 
+    def keeps(self, view: Any, event: QKeyEvent) -> bool:
+        """Keep the arrows: with Ctrl the window would move a layer."""
+        return event.key() in _STEPS and self._choice.tool != "navigate" and self._grid is not None
+
     @property
     def _grid(self) -> Grid | None:
         answer = self._document.answer

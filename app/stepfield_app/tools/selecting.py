@@ -7,7 +7,7 @@ from typing import Any
 
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QKeyEvent, QPainter
-from PySide6.QtWidgets import QApplication, QComboBox, QLineEdit, QWidget
+from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QComboBox, QLineEdit, QWidget
 
 from stepfield_app.scenes.shapes import Kind
 from stepfield_app.selection import Selection
@@ -171,5 +171,5 @@ class SelectingTool(Tool[Any]):
 def _take_keyboard(widget: QWidget) -> None:
     """Let the keyboard follow the mouse, Space above all, unless somebody is typing."""
     typed_in = QApplication.focusWidget()
-    if typed_in is not widget and not isinstance(typed_in, QLineEdit | QComboBox):
+    if typed_in is not widget and not isinstance(typed_in, QLineEdit | QAbstractSpinBox | QComboBox):
         widget.setFocus(Qt.FocusReason.MouseFocusReason)

@@ -59,7 +59,6 @@ class SelectStrip(Strip):
     def __init__(self, selection: Selection, choice: Choice, name_of: Callable[[int], str]) -> None:
         super().__init__("")
         self._selection, self._choice, self._name_of = selection, choice, name_of
-        self._brush_label = QLabel("Radius")
         self._brush = _brush_box()
         self._group = QButtonGroup(self)
         self._reaches: dict[ReachKind, QToolButton] = {
@@ -70,7 +69,7 @@ class SelectStrip(Strip):
         self.low, self.high = (_elevation_box(name) for name in ("Lowest", "Highest"))
         self.to = QLabel("to")
         reaches = [QLabel("Reaches"), *self._reaches.values(), self.low, self.to, self.high]
-        self.add(self._brush_label, self._brush, *reaches)
+        self.add(self._brush, *reaches)
         self._connect()
         self.show_reach()
         self._show_tool(choice.tool)
@@ -82,7 +81,7 @@ class SelectStrip(Strip):
         self._choice.tool_changed.connect(self._show_tool)
         self._selection.reach_changed.connect(self.show_reach)
         for box in (self.low, self.high):
-            box.valueChanged.connect(lambda _: self._choose("range"))
+            box.valueChanged.connect(lambda _: self._choose_range())
 
     def button(self, kind: ReachKind) -> QToolButton:
         """Return the button that chooses a reach."""
@@ -123,18 +122,17 @@ class SelectStrip(Strip):
         return button
 
     def _choose(self, kind: ReachKind, _: bool = True) -> None:
-        low, high = sorted((self.low.value(), self.high.value()))
-        if kind == "range":
-            self._selection.set_reach(kind, low, high)
-        else:
-            self._selection.set_reach(kind)
+        """Choose a reach; a range has the ends it had, which may have more digits than the boxes show."""
+        self._selection.set_reach(kind)
+
+    def _choose_range(self) -> None:
+        self._selection.set_reach("range", *sorted((self.low.value(), self.high.value())))
 
     def _show_tool(self, tool: str) -> None:
         title, hint = TITLES[tool]
         self.title.setText(title)
         self.set_detail(*(hint + more for more in MORE))
-        for widget in (self._brush_label, self._brush):
-            widget.setVisible(tool == "brush")
+        self._brush.setVisible(tool == "brush")
 
     def _show_radius(self, radius: float) -> None:
         with QSignalBlocker(self._brush):

@@ -152,7 +152,7 @@ class MapPlot(Plot):
     def set_drop_site(self, site: DropSite) -> None:
         """Let something be dropped on the map."""
         self._drop_site = site
-        self.setAcceptDrops(True)
+        self.let_drop(True)
         site.offer_changed.connect(self.viewport().update)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:  # noqa: N802

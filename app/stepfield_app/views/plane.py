@@ -46,8 +46,14 @@ class Plane(pg.PlotWidget):  # type: ignore[misc]
         self.pane.sigResized.connect(self._refit)
         self.hideButtons()
         self.setFrameShape(QFrame.Shape.NoFrame)
+        self.let_drop(False)  # Qt would take everything for the scene
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMinimumSize(120, 100)
+
+    def let_drop(self, may_drop: bool) -> None:
+        """Take what is dragged over it, or leave that to what lies behind."""
+        for part in (self, self.viewport()):
+            part.setAcceptDrops(may_drop)
 
     # --- Which part is visible ------------------------------------------------------------------------------
 
@@ -176,11 +182,14 @@ class Plane(pg.PlotWidget):  # type: ignore[misc]
     # --- Keyboard -------------------------------------------------------------------------------------------
 
     def event(self, event: QEvent) -> bool:
-        """Keep F from the window, which would fit the 3-D views: the plot has the keyboard."""
-        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride and _fits(event):
+        """Keep F from the window, which would fit the 3-D views, and what the tool wants."""
+        if event.type() == QEvent.Type.ShortcutOverride and self._keeps(event):
             event.accept()
             return True
         return bool(super().event(event))
+
+    def _keeps(self, event: QEvent) -> bool:
+        return isinstance(event, QKeyEvent) and (_fits(event) or self.grip.keeps(event))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
         """Offer the key to the tool and to what is in the plane; else fit, zoom and pan."""

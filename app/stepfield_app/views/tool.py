@@ -52,6 +52,10 @@ class Tool(Generic[View]):
         """Take a key that goes down or up, or leave it to the view."""
         return False
 
+    def keeps(self, view: View, event: QKeyEvent) -> bool:
+        """Whether a key is the tool's although the window has a command for it."""
+        return False
+
     def paint(self, view: View, painter: QPainter) -> None:
         """Paint over the view."""
 
@@ -133,6 +137,10 @@ class Grip(Generic[View]):
         is_taken = self.tool.key(self._view, event, is_down)
         self._point(event.modifiers())
         return is_taken
+
+    def keeps(self, event: QKeyEvent) -> bool:
+        """Whether the tool wants a key before the window's commands."""
+        return self.tool is not None and self.tool.keeps(self._view, event)
 
     def paint(self, painter: QPainter) -> None:
         """Let the tool paint over the view."""

@@ -76,6 +76,10 @@ class Trio(QWidget):
 
     def arrange(self, names: tuple[str, ...]) -> None:
         """Show these views."""
+        first = self.canvases[next(name for name in VIEWS if name in names)]
+        self.setFocusProxy(first)
+        if any(canvas.hasFocus() for name, canvas in self.canvases.items() if name not in names):
+            first.setFocus()  # else the keyboard goes to whatever comes next
         for name, frame in self._frames.items():
             frame.setVisible(name in names)
         self._client.show(names)

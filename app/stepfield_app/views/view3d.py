@@ -62,6 +62,7 @@ class Canvas(QWidget):
         self._pressed = QPointF()
         self._button = Qt.MouseButton.NoButton
         self._zoom: tuple[QPointF, Place] | None = None
+        self._deep: Frame | None = None
         self.setAccessibleName(f"3-D view: {name}")
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -115,6 +116,8 @@ class Canvas(QWidget):
     def _show(self, name: str) -> None:
         if name == self.name:
             self._trouble = ""
+            if self.frame is not None and self.frame.depth is not None:
+                self._deep = self.frame
             self.update()
 
     def _tell(self, state: str) -> None:
@@ -243,7 +246,7 @@ class Canvas(QWidget):
 
     def place_at(self, at: QPointF) -> Place | None:
         """Return what the picture shows at a logical pixel, in local coordinates; None for background."""
-        frame = self.frame
+        frame = self._frame_with_depth()
         if frame is None or frame.depth is None or not self.width() or not self.height():
             return None
         height, width = frame.depth.shape
@@ -254,6 +257,13 @@ class Canvas(QWidget):
             column + 0.5, row + 0.5, float(frame.depth[row, column]), (width, height)
         )
         return float(x), float(y), float(z)
+
+    def _frame_with_depth(self) -> Frame | None:
+        """Return the picture, or the last full one where this is a quick one from the same place."""
+        frame, deep = self.frame, self._deep
+        if frame is None or frame.depth is not None or deep is None or deep.camera != frame.camera:
+            return frame
+        return deep
 
     def pixel_of(self, place: Place) -> QPointF:
         """Return the logical pixel at which a place in local coordinates is drawn."""
