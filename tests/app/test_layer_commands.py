@@ -101,6 +101,29 @@ def test_keys_act_on_the_active_layer(desk: Desk, actions: Actions) -> None:
     ]
 
 
+def test_keys_go_from_layer_to_layer(desk: Desk, actions: Actions) -> None:
+    """The active layer could be chosen with the mouse only, or by many presses of Tab."""
+    desk.document.set_active_layer(1)
+    actions["layer above"].trigger()
+    actions["layer above"].trigger()
+    assert desk.document.active_layer == 2, "the highest one"
+    for _ in range(5):
+        actions["layer below"].trigger()
+    assert desk.document.active_layer == -1, "Unassigned"
+
+
+def test_an_empty_layer_is_not_split(desk: Desk, actions: Actions, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A dialog would ask where to part nothing."""
+    monkeypatch.setattr(SplitDialog, "exec", lambda self: pytest.fail("the dialog has opened"))
+    actions["new layer"].trigger()
+    desk.settle()
+    said: list[str] = []
+    desk.editor.told.connect(said.append)
+    desk.document.set_active_layer(3)
+    actions["layer split"].trigger()
+    assert said == ["Layer 4 is empty: there is nothing to split"]
+
+
 @pytest.mark.parametrize("is_wanted", [True, False])
 def test_merge_and_split_are_done_when_confirmed(
     desk: Desk, actions: Actions, monkeypatch: pytest.MonkeyPatch, is_wanted: bool

@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 from PySide6.QtCore import QEvent, QPointF, Qt
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QApplication, QComboBox, QDoubleSpinBox, QLineEdit, QSpinBox, QWidget
 from pytestqt.qtbot import QtBot
 from tests.app.desk import (
     ALT,
@@ -30,6 +31,7 @@ from tests.app.desk import (
 from tests.app.scenes_made import UTM
 
 from stepfield_app.render.scene import CLOUD, PILLARS
+from stepfield_app.tools import selecting
 
 pytestmark = pytest.mark.qt_log_ignore("propagateSizeHints")  # which the platform without a screen lacks
 
@@ -69,6 +71,46 @@ def test_a_range_of_elevations_is_reached_as_its_boxes_say(desk: Desk) -> None:
     strip.low.setValue(float(desk.corner[2]) + 0.5)
     draw(desk.map.plot.viewport(), desk.on_map((0.1, 0.1), (7.9, 5.9)))
     assert desk.taken() == {1: TOP}
+
+
+def test_a_range_that_nobody_has_changed_reaches_everything(desk: Desk) -> None:
+    """The boxes show two decimals: what lies a millimetre beyond would be left out."""
+    strip, before = desk.tools.strip, desk.selection.z_range
+    strip.button("range").click()
+    assert desk.selection.z_range == before
+    strip.high.setValue(strip.high.value() - 0.01)
+    assert desk.selection.z_range == (strip.low.value(), strip.high.value())
+
+
+def test_ctrl_and_arrows_are_the_maps_while_a_tool_is_chosen(desk: Desk) -> None:
+    """A far step of the cursor up or down would move a layer: the window has a command for these keys."""
+    plot = desk.map.plot
+
+    def keeps(key: Qt.Key) -> bool:
+        event = QKeyEvent(QEvent.Type.ShortcutOverride, key, CTRL)
+        event.ignore()
+        QApplication.sendEvent(plot, event)
+        return event.isAccepted()
+
+    assert not keeps(Qt.Key.Key_Down)
+    desk.tools.choose("rectangle")
+    assert keeps(Qt.Key.Key_Down)
+    assert not keeps(Qt.Key.Key_Z), "undo is the window's"
+
+
+@pytest.mark.parametrize("kind", [QLineEdit, QSpinBox, QDoubleSpinBox, QComboBox])
+def test_a_hand_at_rest_takes_the_keyboard_from_nobody_who_types(
+    desk: Desk, kind: type[QWidget], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Digits meant for a box would move pillars."""
+    typed_in, other = kind(desk.map), QWidget(desk.map)
+    taken: list[object] = []
+    monkeypatch.setattr(desk.map.plot, "setFocus", taken.append)
+    desk.tools.choose("lasso")
+    for focus in (typed_in, other):
+        monkeypatch.setattr(selecting, "QApplication", type("Fake", (), {"focusWidget": lambda of=focus: of}))
+        hover(desk.map.plot.viewport(), desk.on_map((4.0, 3.0))[0])
+        assert bool(taken) == (focus is other)
 
 
 def test_shift_adds_and_alt_or_ctrl_subtracts(desk: Desk) -> None:

@@ -271,6 +271,18 @@ def test_outside_of_the_picture_is_no_place(canvas: Canvas, at: tuple[int, int])
     assert canvas.place_at(QPointF(*at)) is None
 
 
+def test_a_quick_picture_from_the_same_place_has_the_depth_of_the_last_one(
+    canvas: Canvas, client: StubClient
+) -> None:
+    """What is selected could not be taken hold of while something else is drawn anew."""
+    before = canvas.place_at(QPointF(MIDDLE))
+    client.deliver(CLOUD, moving_frame(CAMERA, SIZE, (0, 0, 0)))
+    assert before is not None
+    assert canvas.place_at(QPointF(MIDDLE)) == before
+    client.deliver(CLOUD, moving_frame(CAMERA.orbited(40, 0), SIZE, (0, 0, 0)))
+    assert canvas.place_at(QPointF(MIDDLE)) is None, "a depth seen from elsewhere is another place's"
+
+
 def test_hovering_tells_the_place_and_leaving_that_there_is_none(canvas: Canvas) -> None:
     places: list[object] = []
     canvas.hovered.connect(places.append)
