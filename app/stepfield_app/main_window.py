@@ -220,14 +220,11 @@ class MainWindow(QMainWindow):
 
     def is_settled(self) -> bool:
         """Whether everything that was asked for is on the screen."""
-        nothing_is_made = not (self.document.busy or self.document.pending or self.demo_feed.is_busy)
-        return (
-            nothing_is_made
-            and self.filing.is_idle
-            and not self.selection.busy
-            and all(part.is_idle for part in (self.editor, self.select_tools, *self._feeds))
-            and self._is_drawn()
-        )
+        document = self.document
+        if document.busy or document.pending or self.demo_feed.is_busy or self.selection.busy:
+            return False
+        parts = self.filing, self.editor, self.select_tools, *self._feeds
+        return all(part.is_idle for part in parts) and self._is_drawn()
 
     def _is_drawn(self) -> bool:
         return self.document.answer is None or (
@@ -248,6 +245,7 @@ class MainWindow(QMainWindow):
             return
         self._middle.setCurrentWidget(self.trio if is_open else self.welcome)
         self.actions_.enable(is_open)
+        self.mark_box.setEnabled(is_open)
         if is_open:
             self.trio.setFocus()
 
