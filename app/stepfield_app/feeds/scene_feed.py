@@ -22,6 +22,8 @@ from stepfield_app.scenes.palette import layer_colours
 from stepfield_app.theme import DARK, Theme
 from stepfield_app.views.trio import Trio
 
+#: Milliseconds by which a result's map and layers go before its scenes: all want the same processors.
+COURTESY = 60
 #: While a hand moves, rest this many times as long as the last scenes took: map and panels come first.
 RESTS = 8
 
@@ -61,6 +63,8 @@ class SceneFeed(QObject):
         self._joined = 0
         self._breath = QTimer(self, singleShot=True)
         self._breath.timeout.connect(self._catch_up)
+        self._courtesy = QTimer(self, singleShot=True, interval=COURTESY)
+        self._courtesy.timeout.connect(self.ask)
         self._drawing = NewestWins[Wish, Drawn](Drawing(), "drawing", self)
         self._drawing.answered.connect(self._show)
         self._drawing.failed.connect(lambda _, error: self.failed.emit(error))
@@ -76,7 +80,7 @@ class SceneFeed(QObject):
     @property
     def is_idle(self) -> bool:
         """Whether every scene asked for has been handed over."""
-        return not self._drawing.busy and not self._owes_detail
+        return not self._drawing.busy and not self._owes_detail and not self._courtesy.isActive()
 
     def set_visible(self, layers: tuple[int, ...]) -> None:
         """Show these layers, -1 for Unassigned."""
@@ -108,6 +112,7 @@ class SceneFeed(QObject):
     def ask(self) -> None:
         """Ask for the scenes of the views that are shown."""
         answer, is_held = self._document.answer, self._document.held
+        self._courtesy.stop()
         self._owes_detail = is_held and answer is not None
         self._is_late = self._owes_detail and (self._drawing.busy or self._breath.isActive())
         if answer is None or self._is_late:
@@ -163,12 +168,15 @@ class SceneFeed(QObject):
 
     def _take(self, answer: Answer | None) -> None:
         if answer is None:
+            self._courtesy.stop()
             self._drawing.forget()
             self.cloud = None
             for view in VIEWS:
                 self._client.set_scene(view, EMPTY)
-        else:
+        elif self._document.held:
             self.ask()
+        else:
+            self._courtesy.start()
 
     def _offer_colours(self) -> None:
         answer = self._document.answer
