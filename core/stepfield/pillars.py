@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stepfield import walls
 from stepfield.compartments import Compartments
 from stepfield.parts import BOTTOM
 
@@ -35,6 +37,8 @@ class StepField:
         Index of the first pillar of each occupied compartment; the last entry is P.
     elevation : ndarray of shape (P,), float64
         The pillar's top by the chosen statistic, before alpha.
+    layer_tolerance : float
+        That the pillars were parted by, metres.
     """
 
     compartments: Compartments
@@ -42,6 +46,7 @@ class StepField:
     compartment: Integers
     first: Integers
     elevation: Floats
+    layer_tolerance: float = math.inf
 
     def __len__(self) -> int:
         return len(self.compartment)
@@ -61,6 +66,11 @@ class StepField:
         """Highest point of each pillar, shape (P,)."""
         return self.compartments.ticks[self.start[1:] - 1] * np.float64(self.compartments.tick)
 
+    @cached_property
+    def vertical(self) -> NDArray[np.bool_]:
+        """Whether each pillar is a wall or a column, shape (P,): see :mod:`stepfield.walls`; read-only."""
+        return walls.vertical(self.compartments, self.start, self.layer_tolerance)
+
     def lows(self, chosen: NDArray[np.int64]) -> Floats:
         """Lowest points of some pillars, shape (n,)."""
         return self.compartments.ticks[self.start[chosen]] * np.float64(self.compartments.tick)
@@ -79,6 +89,14 @@ class StepField:
         squares = self.compartments.grid.squares(self.compartment[chosen])
         spans = np.column_stack([self.lows(chosen), self.highs(chosen)]) + self.compartments.lowest
         return np.hstack([squares, spans])
+
+    def with_walls_to_their_tops(self) -> StepField:
+        """Return the same pillars, the vertical ones at the elevation of their highest point."""
+        tops = np.flatnonzero(self.vertical)
+        elevation = self.elevation.copy()
+        elevation[tops] = self.highs(tops)
+        elevation.flags.writeable = False
+        return replace(self, elevation=elevation)
 
 
 def build_pillars(
@@ -108,7 +126,7 @@ def build_pillars(
         elevation = _quantile(ticks, start, {"max": 1.0, "median": 0.5, "p90": 0.9}[statistic]) * tick
     for array in (start, compartment, first, elevation):
         array.flags.writeable = False
-    return StepField(compartments, start, compartment, first, elevation)
+    return StepField(compartments, start, compartment, first, elevation, layer_tolerance)
 
 
 def _quantile(ticks: NDArray[np.uint32], start: Integers, share: float) -> Floats:

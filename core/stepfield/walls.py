@@ -1,0 +1,58 @@
+"""Which pillars are walls: columns of points that run upwards, not surfaces that lie near each other.
+
+The mean of a wall's points is the height of nothing. But a pillar that is higher than the tolerance need
+not be a wall: a hillside climbs through a coarse compartment, and two floors closer than the tolerance are
+one pillar. A pillar is *vertical* when its points run on for more than the tolerance, and for more than two
+compartments: steeper than 63 degrees right across one. Points run on where the next one is no further up
+than a compartment is wide; wider gaps, as between the two faces of a slab, do not count.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.compartments import Compartments
+
+Integers = NDArray[np.int64]
+
+#: Compartments that points must run upwards: more is steeper than any ground a robot takes.
+STEEP = 2.0
+
+
+def vertical(compartments: Compartments, start: Integers, layer_tolerance: float) -> NDArray[np.bool_]:
+    """Tell which pillars are vertical.
+
+    Parameters
+    ----------
+    compartments : Compartments
+    start : ndarray of shape (P + 1,), int64
+        Where each pillar's points begin.
+    layer_tolerance : float
+        Metres.
+
+    Returns
+    -------
+    ndarray of shape (P,), bool
+    """
+    cell = compartments.grid.cell_size
+    least = max(layer_tolerance, STEEP * cell) / compartments.tick
+    # A length of exactly so much is not more; the tiny share forgives the rounding of the division.
+    is_vertical: NDArray[np.bool_] = _run(compartments, start, layer_tolerance) > least * (1 + 1e-12)
+    is_vertical.flags.writeable = False
+    return is_vertical
+
+
+def _run(compartments: Compartments, start: Integers, layer_tolerance: float) -> Integers:
+    """Ticks that the points of each pillar run upwards, shape (P,)."""
+    ticks, cell = compartments.ticks, compartments.grid.cell_size
+    span = (ticks[start[1:] - 1] - ticks[start[:-1]]).astype(np.int64)
+    if layer_tolerance <= cell:  # no gap within a pillar is wider
+        return span
+    parts = compartments.parts
+    wide = parts.wider_than(int(min(cell / compartments.tick * (1 + 1e-12), 2.0**32)))
+    gap = parts.gap[wide].astype(np.int64)
+    bottom = np.searchsorted(parts.start[wide], start[:-1])
+    gap[bottom] = 0  # below a pillar, not within it
+    run: Integers = span - np.add.reduceat(gap, bottom)
+    return run
