@@ -84,6 +84,17 @@ class Grid:
         south = self.south + (self.rows - 1 - row) * self.cell_size
         return np.column_stack([west, south, west + self.cell_size, south + self.cell_size])
 
+    def lines(self, compartment: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the lines around compartments: west and east, south and north, each of shape (n, 2), metres.
+
+        Unlike ``squares``, neighbours get the very same number for the line between them.
+        """
+        row, column = self.row_column(compartment)
+        sides = np.array([0, 1])
+        x = self.west + (column[:, np.newaxis] + sides) * self.cell_size
+        y = self.south + (self.rows - 1 - row[:, np.newaxis] + sides) * self.cell_size
+        return x, y
+
     def centres(self, compartment: NDArray[Any]) -> NDArray[np.float64]:
         """Return the middles of compartments, shape (n, 2), metres."""
         squares = self.squares(compartment)

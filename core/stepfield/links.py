@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from stepfield.grid import Grid
 from stepfield.layers import Layering
 from stepfield.pillars import StepField
 
@@ -64,14 +65,37 @@ def link(field: StepField, taking_part: NDArray[np.bool_], link_step: float) -> 
         Pillar indices: west and east, then north and south.
     """
     chosen = np.flatnonzero(taking_part)
-    compartment, elevation = field.compartment[chosen], field.elevation[chosen]
-    grid = field.compartments.grid
+    east, south = linked(
+        field.compartments.grid, field.compartment[chosen], field.elevation[chosen], link_step
+    )
+    return chosen[np.vstack([east, south])]
+
+
+def linked(
+    grid: Grid, compartment: Integers, elevation: Floats, link_step: float
+) -> tuple[Integers, Integers]:
+    """Find the linked pairs of pillars that are ordered by compartment and elevation.
+
+    Parameters
+    ----------
+    grid : Grid
+    compartment : ndarray of shape (P,), int64
+    elevation : ndarray of shape (P,), float64
+        Metres above the lowest of them or something deeper.
+    link_step : float
+        Greatest difference in elevation, metres.
+
+    Returns
+    -------
+    tuple of ndarray of shape (n, 2), int64
+        Indices: west and east, then north and south.
+    """
     _, column = grid.row_column(compartment)
     east = np.where(column < grid.columns - 1, compartment + 1, _NOWHERE)
     south = np.where(compartment < len(grid) - grid.columns, compartment + grid.columns, _NOWHERE)
     with ThreadPoolExecutor(2) as pool:
         pairs = list(pool.map(lambda there: _mutual(compartment, elevation, there, link_step), (east, south)))
-    return chosen[np.vstack(pairs)]
+    return pairs[0], pairs[1]
 
 
 def seams(links: Integers, layering: Layering) -> Integers:

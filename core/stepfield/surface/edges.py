@@ -1,0 +1,90 @@
+"""The surface over exactly the compartments of a layer's pillars: nothing cut, nothing vanishes (6)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.grid import Grid
+from stepfield.surface.mesh import Mesh
+from stepfield.surface.sheets import NORTH_EAST, NORTH_WEST, SOUTH_EAST, SOUTH_WEST, Sheet, sheets
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+#: Which of its lines a compartment's corners are on: north-west, south-west, south-east, north-east.
+_EAST, _NORTH = np.array([0, 0, 1, 1]), np.array([1, 0, 0, 1])
+
+
+def as_edges(grid: Grid, layers: Sequence[tuple[Integers, Floats]], link_step: float) -> list[Mesh]:
+    """Cover exactly the compartments of each layer's pillars.
+
+    Every compartment is four triangles around its middle, which has the elevation of the pillar. Steps
+    within a layer are closed by vertical triangles; where two layers continue each other, they meet in the
+    very same places.
+
+    Parameters
+    ----------
+    grid : Grid
+    layers : sequence of tuple of ndarray
+        Compartments, ascending, and elevations (metres) of each layer's pillars; all layers of a
+        step-field together, as they decide what continues what.
+    link_step : float
+        Greatest difference in elevation of two neighbours that continue each other, metres.
+
+    Returns
+    -------
+    list of Mesh
+        One a layer, in the coordinates of the grid.
+    """
+    return [mesh_of(sheet) for sheet in sheets(grid, layers, link_step)]
+
+
+def mesh_of(sheet: Sheet) -> Mesh:
+    """Return a sheet as triangles: the compartments in order, then the risers."""
+    pillars = len(sheet.compartment)
+    number, first = _numbered(sheet.vertex)
+    x, y = sheet.grid.lines(sheet.compartment)
+    pillar, corner = np.divmod(first, 4)
+    corners = np.column_stack(
+        [x[pillar, _EAST[corner]], y[pillar, _NORTH[corner]], sheet.corner.ravel()[first]]
+    )
+    middles = np.column_stack([x.mean(axis=1), y.mean(axis=1), sheet.top])
+    middle = np.arange(len(first), len(first) + pillars)
+    fans = [np.column_stack([middle, number[:, i], number[:, (i + 1) % 4]]) for i in range(4)]
+    covering = np.stack(fans, axis=1).reshape(-1, 3)
+    return Mesh(np.concatenate([corners, middles]), np.concatenate([covering, risers(sheet, number)]))
+
+
+def risers(sheet: Sheet, number: Integers) -> Integers:
+    """Close the steps of a sheet by vertical triangles between its vertices of the given numbers.
+
+    Counter-clockwise seen from the lower side; a step that ends in a shared corner is one triangle.
+    """
+    (west, east), (north, south) = sheet.east.T, sheet.south.T
+    quads = np.concatenate(
+        [
+            np.column_stack(
+                [number[west][:, [NORTH_EAST, SOUTH_EAST]], number[east][:, [SOUTH_WEST, NORTH_WEST]]]
+            ),
+            np.column_stack(
+                [number[north][:, [SOUTH_EAST, SOUTH_WEST]], number[south][:, [NORTH_WEST, NORTH_EAST]]]
+            ),
+        ]
+    )
+    one, other = quads[quads[:, 1] != quads[:, 2]], quads[quads[:, 0] != quads[:, 3]]
+    return np.concatenate([one[:, [0, 1, 2]], other[:, [0, 2, 3]]])
+
+
+def _numbered(vertex: Integers) -> tuple[Integers, Integers]:
+    """Number the vertices of a sheet from 0; return the numbers and a place in the array of each."""
+    flat = vertex.ravel()
+    lowest = flat.min(initial=0)
+    place = np.zeros(flat.max(initial=0) - lowest + 1, np.int64)
+    place[flat - lowest] = np.arange(len(flat))
+    own = place[flat - lowest]
+    is_first = own == np.arange(len(flat))
+    number: Integers = (np.cumsum(is_first) - 1)[own]
+    return number.reshape(vertex.shape), np.flatnonzero(is_first)
