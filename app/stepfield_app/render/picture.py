@@ -14,10 +14,11 @@ from stepfield_app.render.canvas import Canvas
 from stepfield_app.render.detail import Indices, is_speckled, nearest, point_size, settled
 from stepfield_app.render.eyedome import relief_of, shade
 from stepfield_app.render.pace import Pace
-from stepfield_app.render.scene import Bytes, Singles
+from stepfield_app.render.scene import Bytes, Singles, Triangles
+from stepfield_app.render.seen import seen
 from stepfield_app.render.subject import Subject
 
-#: Clouds up to this size are drawn whole.
+#: Clouds and meshes up to this size are drawn whole.
 FEW = 300_000
 #: How near to the depth of a point a pixel counts as that point and not as a mesh, in sizes of a pixel.
 SAME = 4.0
@@ -81,14 +82,14 @@ def moving(
 def at_rest(
     subject: Subject, canvas: Canvas, camera: Camera, size: Size, look_up: Callable[[], None]
 ) -> Picture:
-    """Draw the finest mesh and a point for every pixel the cloud covers, lit by its own depth.
+    """Draw what shows of the finest mesh and a point for every pixel the cloud covers, lit by its own depth.
 
     Raises
     ------
     Overtaken
         By ``look_up``, which is called every now and then.
     """
-    mesh = subject.scene.meshes[0] if subject.scene.meshes else None
+    mesh = _finest(subject, camera, size, look_up)
     rows: Indices | slice = slice(None)
     front: Singles | None = None
     if subject.count > FEW or (subject.count and mesh):
@@ -108,6 +109,15 @@ def at_rest(
     if light is not None and front is not None and mesh:
         light[~_of_points(depth, front, side, SAME * camera.metres_per_pixel(size))] = 1
     return Picture(colours, depth, light, points, triangles, False)
+
+
+def _finest(subject: Subject, camera: Camera, size: Size, look_up: Callable[[], None]) -> Triangles | None:
+    """Return the finest mesh, or what shows of it: of millions of triangles few have a pixel of their own."""
+    mesh = subject.scene.meshes[0] if subject.scene.meshes else None
+    if mesh is None or len(mesh.triangles) <= FEW:
+        return mesh
+    near, _ = subject.span.near_far(camera)
+    return seen(mesh, camera, size, near, look_up)
 
 
 def _nearest(

@@ -147,7 +147,9 @@ def scene_tree(scene: Scene, written: Callable[[Array], Tree]) -> Tree:
             "palette": None if points.palette is None else points.palette.tolist(),
             "size": points.size,
         },
-        "meshes": [[written(m.vertices), written(m.triangles), written(m.colours)] for m in scene.meshes],
+        "meshes": [
+            [written(m.vertices), written(m.triangles), written(m.colours), m.solid] for m in scene.meshes
+        ],
         "lines": [[written(part.ends), written(part.colours)] for part in scene.lines],
         "low": np.asarray(scene.low).tolist(),
         "high": np.asarray(scene.high).tolist(),
@@ -158,7 +160,7 @@ def scene_of(tree: Tree, mapped: Callable[[Tree], Array]) -> Scene:
     """Read a scene; ``mapped`` opens an array."""
     return Scene(
         points=tree["points"] and _points_of(tree["points"], mapped),
-        meshes=tuple(Triangles(*map(mapped, mesh)) for mesh in tree["meshes"]),
+        meshes=tuple(_mesh_of(mesh, mapped) for mesh in tree["meshes"]),
         lines=tuple(Lines(*map(mapped, lines)) for lines in tree["lines"]),
         low=np.array(tree["low"]),
         high=np.array(tree["high"]),
@@ -176,6 +178,11 @@ def outlines_tree(outlines: Mapping[str, Outline], written: Callable[[Array], Tr
 def outlines_of(tree: Tree, mapped: Callable[[Tree], Array]) -> dict[str, Outline]:
     """Read outlines; ``mapped`` opens an array."""
     return {kind: Outline(mapped(outline["segments"]), outline["slack"]) for kind, outline in tree.items()}
+
+
+def _mesh_of(parts: list[Any], mapped: Callable[[Tree], Array]) -> Triangles:
+    vertices, triangles, colours, is_solid = parts
+    return Triangles(mapped(vertices), mapped(triangles), mapped(colours), is_solid)
 
 
 def _points_of(tree: Tree, mapped: Callable[[Tree], Array]) -> Points:

@@ -46,11 +46,15 @@ class Triangles:
     vertices : ndarray of shape (V, 3), float32
     triangles : ndarray of shape (T, 3), int32
     colours : ndarray of shape (V, 3), uint8
+    solid : bool
+        Whether they are the outside of bodies, anti-clockwise, that may be open at their foot: then nobody
+        who stands above that sees a face from behind.
     """
 
     vertices: Singles
     triangles: NDArray[np.int32]
     colours: Bytes
+    solid: bool = False
 
 
 @dataclass(frozen=True, eq=False)

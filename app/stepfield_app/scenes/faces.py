@@ -125,7 +125,7 @@ def joined(parts: Sequence[Patches]) -> Triangles:
         if part.crossed is not None:
             order[first : first + len(part.corners)][part.crossed] += _CROSSED - _UPRIGHT
         first += len(part.corners)
-    return Triangles(frozen(vertices), frozen(order.reshape(-1, 3)), frozen(colours))
+    return Triangles(frozen(vertices), frozen(order.reshape(-1, 3)), frozen(colours), solid=True)
 
 
 def _lit(colour: Bytes, light: Singles) -> Bytes:
