@@ -79,12 +79,15 @@ class State:
         Number of layers.
     made : dict of int to str
         Names of the layers that moves made.
+    obstacles : tuple of int
+        Which layers are obstacles.
     """
 
     field: StepField
     layer: Integers
     count: int
     made: dict[int, str]
+    obstacles: tuple[int, ...] = ()
 
     def number(self, wanted: AnyLayer) -> int | None:
         """Find a layer; None for one that is not made yet."""
@@ -92,12 +95,19 @@ class State:
             case NewLayer(new=name):
                 return next((number for number, made in self.made.items() if made == name), None)
             case ExistingLayer(layer=number, of=of) if number < of == self.count:
-                return number
-            case ExistingLayer(elevation=elevation):
-                averages = Layering(self.layer, self.count).averages(self.field.elevation)
-                if np.isnan(averages).all():
-                    raise Unresolved("there is no layer left to move to")
-                return int(np.nanargmin(np.abs(averages + self.field.compartments.lowest - elevation)))
+                if (number in self.obstacles) == (wanted.kind is not None):
+                    return number
+        return self._nearest(wanted)
+
+    def _nearest(self, wanted: ExistingLayer) -> int:
+        """Find the layer of the kind that is nearest in elevation."""
+        averages = Layering(self.layer, self.count).averages(self.field.elevation)
+        is_other = np.isin(np.arange(self.count), self.obstacles) == (wanted.kind is None)
+        averages[is_other] = np.nan
+        if np.isnan(averages).all():
+            kind = "layer" if wanted.kind is None else "layer of obstacles"
+            raise Unresolved(f"there is no {kind} left to move to")
+        return int(np.nanargmin(np.abs(averages + self.field.compartments.lowest - wanted.elevation)))
 
     def members(self, layer: int, above: float | None = None) -> Integers:
         """Indices of the pillars of a layer, or of those of it that lie above an elevation, metres."""

@@ -43,12 +43,15 @@ class Layering:
         Sum of squared differences to the averages (m²) after each round, never rising.
     converged : bool
         False when the limit of rounds was hit.
+    obstacles : tuple of int
+        The layers of walls and columns, if these have layers of their own.
     """
 
     layer: Integers
     count: int
     costs: tuple[float, ...] = ()
     converged: bool = True
+    obstacles: tuple[int, ...] = ()
 
     @property
     def rounds(self) -> int:
@@ -64,6 +67,13 @@ class Layering:
         """Indices of the pillars of one layer, in order of compartment."""
         return np.flatnonzero(self.layer == layer)
 
+    def in_obstacles(self) -> NDArray[np.bool_]:
+        """Whether each pillar is in a layer of obstacles, shape (P,)."""
+        kinds = np.zeros(self.count + 1, bool)  # the last one is of Unassigned
+        kinds[list(self.obstacles)] = True
+        among: NDArray[np.bool_] = kinds[self.layer]
+        return among
+
     def averages(self, elevation: Floats) -> Floats:
         """Average elevation of each layer, shape (count,); NaN for a layer without pillars."""
         return _averages(elevation, self.layer, self.count)
@@ -75,6 +85,7 @@ def classify(
     *,
     min_points: int = 1,
     max_layers: int | Literal["auto", "none"] = "auto",
+    leaving_out: NDArray[np.bool_] | None = None,
 ) -> Layering:
     """Give every pillar its layer.
 
@@ -88,6 +99,8 @@ def classify(
     max_layers : int, "auto" or "none"
         At most this many layers; in a compartment with more pillars those of the fewest points
         (ties: the higher) are left unassigned. ``none`` is the paper's.
+    leaving_out : ndarray of shape (P,), bool, optional
+        Pillars that are left unassigned as if they were not there.
 
     Returns
     -------
@@ -95,6 +108,8 @@ def classify(
         Layers numbered by ascending average elevation (``elevation``) or rank.
     """
     enough = field.points >= min_points
+    if leaving_out is not None:
+        enough &= ~leaving_out
     count = layer_count(field, enough, max_layers)
     taken = strongest(field, enough, count)
     stack = _Stack.of(field, taken)

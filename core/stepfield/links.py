@@ -99,9 +99,15 @@ def linked(
 
 
 def seams(links: Integers, layering: Layering) -> Integers:
-    """Return the links whose two pillars are in different layers, shape (S, 2)."""
+    """Return the links whose two pillars are in different layers, shape (S, 2).
+
+    A surface that ends at an obstacle is not cut there: the obstacle is as high.
+    """
     one, other = layering.layer[links[:, 0]], layering.layer[links[:, 1]]
-    cut: Integers = links[(one != other) & (one >= 0) & (other >= 0)]
+    is_cut = (one != other) & (one >= 0) & (other >= 0)
+    if layering.obstacles:
+        is_cut &= ~np.isin(one, layering.obstacles) & ~np.isin(other, layering.obstacles)
+    cut: Integers = links[is_cut]
     return cut
 
 

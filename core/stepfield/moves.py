@@ -56,6 +56,7 @@ class Step:
         As in :class:`Change`.
     count : int
     made : dict of int to str
+    obstacles : tuple of int
         Of the layering before.
     """
 
@@ -66,6 +67,7 @@ class Step:
     numbers: tuple[int, ...]
     count: int
     made: dict[int, str]
+    obstacles: tuple[int, ...]
 
 
 class Replay:
@@ -79,7 +81,7 @@ class Replay:
 
     def __init__(self, field: StepField, automatic: Layering) -> None:
         self._automatic = automatic
-        self._state = State(field, automatic.layer.copy(), automatic.count, {})
+        self._state = State(field, automatic.layer.copy(), automatic.count, {}, automatic.obstacles)
         self._steps: list[Step] = []
 
     def edited(self, moves: Sequence[Move], progress: Progress = silent) -> Edited:
@@ -96,7 +98,8 @@ class Replay:
             self._steps.append(self._applied(move))
         layer = self._state.layer.copy()
         layer.flags.writeable = False
-        layering = replace(self._automatic, layer=layer, count=self._state.count)
+        state = self._state
+        layering = replace(self._automatic, layer=layer, count=state.count, obstacles=state.obstacles)
         return Edited(layering, dict(self._state.made), tuple(step.outcome for step in self._steps))
 
     def _shared_with(self, moves: Sequence[Move]) -> int:
@@ -113,13 +116,15 @@ class Replay:
         state.layer[change.pillars] = change.layers
         _renumber(state.layer, change.numbers)
         self._state = _after(state, change)
-        return Step(move, change.outcome, pillars, before, change.numbers, state.count, state.made)
+        return Step(
+            move, change.outcome, pillars, before, change.numbers, state.count, state.made, state.obstacles
+        )
 
     def _take_back(self, step: Step) -> None:
         layer, vanished = self._state.layer, step.numbers.count(UNASSIGNED)
         _renumber(layer, tuple(np.argsort(step.numbers)[vanished:].tolist()))
         layer[step.pillars] = step.layers
-        self._state = replace(self._state, count=step.count, made=step.made)
+        self._state = replace(self._state, count=step.count, made=step.made, obstacles=step.obstacles)
 
 
 def apply_moves(field: StepField, layering: Layering, moves: Sequence[Move]) -> Edited:
@@ -143,10 +148,11 @@ def _renumber(layer: NDArray[np.int64], numbers: tuple[int, ...]) -> None:
 
 def _after(state: State, change: Change) -> State:
     """Return the state with other layers, the same ``layer`` array in it."""
-    made, count = state.made, state.count
+    made, count, obstacles = state.made, state.count, state.obstacles
     if change.made is not None:
         made, count = made | {count: change.made}, count + 1
     if change.numbers:
         numbers = change.numbers
         made = {renumbered(n, numbers): name for n, name in made.items() if numbers[n] != UNASSIGNED}
-    return replace(state, count=count - change.numbers.count(UNASSIGNED), made=made)
+        obstacles = tuple(sorted(numbers[n] for n in obstacles if numbers[n] != UNASSIGNED))
+    return replace(state, count=count - change.numbers.count(UNASSIGNED), made=made, obstacles=obstacles)

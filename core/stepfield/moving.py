@@ -183,7 +183,8 @@ def _counted(outcome: Outcome) -> Plan:
 
 
 def _state(result: Reconstruction) -> State:
-    return State(result.field, result.layering.layer, result.layering.count, result.made)
+    layering = result.layering
+    return State(result.field, layering.layer, layering.count, result.made, layering.obstacles)
 
 
 def _going(state: State, pillars: Integers, target: int) -> Integers:
@@ -229,7 +230,8 @@ def _reference(result: Reconstruction, layer: int, fallback: float = 0.0) -> Any
     elevation = result.layers[layer].elevation
     average = float(elevation.mean()) if len(elevation) else fallback
     lowest = result.field.compartments.lowest
-    return ExistingLayer(layer=layer, of=len(result.layers), elevation=lowest + average)
+    kind: Literal["obstacles"] | None = "obstacles" if layer in result.layering.obstacles else None
+    return ExistingLayer(layer=layer, of=len(result.layers), elevation=lowest + average, kind=kind)
 
 
 def _name(result: Reconstruction, layer: int) -> str:

@@ -50,6 +50,10 @@ class Parameters(Frozen):
     layer_tolerance: Length | Auto = Field("auto", description="vertical gap that parts two pillars (5.3.2)")
     layering: Literal["rank", "elevation"] = Field("elevation", description="how pillars get layers (5.3.3)")
     pillar_height: Literal["mean", "max", "median", "p90"] = Field("mean", description="height of a pillar")
+    walls: Literal["mean", "top", "layer"] = Field(
+        "mean",
+        description="vertical pillars: as all others, to their highest point, or in a layer of obstacles",
+    )
     min_points: Count = Field(1, description="fewer points than this make no exported pillar")
     max_layers: Count | Literal["auto", "none"] = Field("auto", description="layers at most")
     link_step: Length | Auto = Field("auto", description="height step that still joins two neighbours")

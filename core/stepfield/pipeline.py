@@ -23,6 +23,7 @@ from stepfield.heightmap import Frame
 from stepfield.layers import UNASSIGNED, Layering, classify
 from stepfield.links import Links
 from stepfield.moves import Edited, Replay
+from stepfield.obstacles import classify_apart
 from stepfield.parameters import Parameters
 from stepfield.pillars import StepField, build_pillars
 from stepfield.progress import Progress, part, silent
@@ -186,23 +187,24 @@ class Pipeline:
             "compartments", scan, (cell,), lambda: sort_into_compartments(scan.made, cell, progress)
         )
         progress(1.0, "building pillars")
-        statistic = parameters.pillar_height
-        return self._once(
-            "field",
-            compartments,
-            (tolerance, statistic),
-            lambda: build_pillars(compartments.made, tolerance, statistic),
-        )
+        statistic, to_tops = parameters.pillar_height, parameters.walls != "mean"
+
+        def build() -> StepField:
+            field = build_pillars(compartments.made, tolerance, statistic)
+            return field.with_walls_to_their_tops() if to_tops else field
+
+        return self._once("field", compartments, (tolerance, statistic, to_tops), build)
 
     def _classified(self, field: Stage[StepField], parameters: Parameters, share: float) -> Stage[Layering]:
         """Classify the pillars (5.3.3); a share of the points makes pillars of as few."""
         method, most = parameters.layering, parameters.max_layers
+        sort = classify_apart if parameters.walls == "layer" else classify
         fewest = max(1, round(parameters.min_points * share))
         classified = self._once(
             "layers",
             field,
-            (method, fewest, most),
-            lambda: classify(field.made, method, min_points=fewest, max_layers=most),
+            (method, fewest, most, sort),
+            lambda: sort(field.made, method, min_points=fewest, max_layers=most),
         )
         if not classified.made.count:
             raise ParameterError(

@@ -43,11 +43,12 @@ class LayerStyle(Frozen):
 
 
 class ExistingLayer(Frozen):
-    """The layer of a number, or the nearest in elevation once the number of layers has changed."""
+    """The layer of a number, or the nearest in elevation of its kind once there are more layers, or fewer."""
 
     layer: Annotated[int, Field(ge=0)]
     of: Annotated[int, Field(ge=1)]
     elevation: Coordinate
+    kind: Literal["obstacles"] | None = Field(None, description="obstacles, or else a surface")
 
 
 class NewLayer(Frozen):

@@ -39,6 +39,8 @@ class Layer:
         Metres from there down to the base plane (Eq. 1).
     white : float
         The height that is white in the layer's image, metres.
+    is_obstacles : bool
+        Whether it holds walls and columns, solid from their lowest points up.
     """
 
     index: int
@@ -47,6 +49,7 @@ class Layer:
     elevation: Floats
     alpha: float
     white: float
+    is_obstacles: bool = False
 
     @property
     def heights(self) -> Floats:
@@ -110,6 +113,12 @@ class Reconstruction:
         grid, compartment = self.field.compartments.grid, self.field.compartment[layer.pillars]
         return draw(grid, self.frame, compartment, layer.heights, self.scale(layer))
 
+    def bottom_map(self, layer: Layer) -> HeightMap:
+        """Draw the lower ends of a layer's pillars, by the scale of the layer."""
+        field, scale = self.field, self.scale(layer)
+        lows = field.lows(layer.pillars) + layer.alpha
+        return draw(field.compartments.grid, self.frame, field.compartment[layer.pillars], lows, scale)
+
     def scale(self, layer: Layer) -> GrayScale:
         """How the heights of a layer become gray."""
         return GrayScale(layer.white, self.parameters.bits)
@@ -121,11 +130,12 @@ class Reconstruction:
 
 @dataclass(frozen=True)
 class Members:
-    """A layer before alpha is known: its pillars, their elevations, the greatest of them."""
+    """A layer before alpha is known: its pillars, their elevations, the greatest of them, its kind."""
 
     pillars: Integers
     elevation: Floats
     greatest: float
+    is_obstacles: bool = False
 
 
 def members_of(field: StepField, layering: Layering) -> list[Members]:
@@ -133,8 +143,8 @@ def members_of(field: StepField, layering: Layering) -> list[Members]:
     chosen = [layering.members(index) for index in range(layering.count)]
     elevations = [field.elevation[pillars] for pillars in chosen]
     return [
-        Members(pillars, elevation, float(elevation.max(initial=0.0)))
-        for pillars, elevation in zip(chosen, elevations, strict=True)
+        Members(pillars, elevation, float(elevation.max(initial=0.0)), index in layering.obstacles)
+        for index, (pillars, elevation) in enumerate(zip(chosen, elevations, strict=True))
     ]
 
 
@@ -143,7 +153,7 @@ def layers_of(
 ) -> tuple[Layer, ...]:
     """Name the layers and say which height is white in each (5.2)."""
     shared = max(member.greatest for member in members)
-    named = all_named(len(members), names)
+    named = all_named(len(members), names, [n for n, member in enumerate(members) if member.is_obstacles])
     return tuple(
         Layer(
             index=index,
@@ -152,14 +162,18 @@ def layers_of(
             elevation=member.elevation,
             alpha=alpha,
             white=alpha + (member.greatest if parameters.range == "layer" else shared),
+            is_obstacles=member.is_obstacles,
         )
         for index, member in enumerate(members)
     )
 
 
-def all_named(layers: int, chosen: Mapping[int, str]) -> dict[int, str]:
+def all_named(layers: int, chosen: Mapping[int, str], obstacles: Sequence[int] = ()) -> dict[int, str]:
     """Name all layers: those without a name of their own by number, or by the first that is free."""
     named = {index: name for index, name in chosen.items() if index < layers}
+    for index in obstacles:
+        alike = ("Obstacles", *(f"Obstacles {number}" for number in range(2, layers + 2)))
+        named.setdefault(index, next(name for name in alike if name not in named.values()))
     for index in range(layers):
         default = f"Layer {index + 1}"
         if index not in named and default not in named.values():

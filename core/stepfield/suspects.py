@@ -127,7 +127,7 @@ def nearly_in(result: Reconstruction) -> Integers:
     averages, order = _ascending_averages(result)
     nearly = np.full(len(result.field), UNASSIGNED)
     layer = result.layering.layer
-    chosen = np.flatnonzero(layer != UNASSIGNED)
+    chosen = np.flatnonzero((layer != UNASSIGNED) & ~result.layering.in_obstacles())
     if not len(chosen):
         return nearly
     place = np.argsort(order)[layer[chosen]]  # of its layer among the averages, from the lowest
@@ -147,8 +147,9 @@ def nearly_in(result: Reconstruction) -> Integers:
 
 
 def _ascending_averages(result: Reconstruction) -> tuple[Floats, Integers]:
-    """Average elevations in ascending order, and the layers they are of; empty layers last, as NaN."""
+    """Average elevations in ascending order, and their layers; empty ones and obstacles last, as NaN."""
     averages = result.layering.averages(result.field.elevation)
+    averages[list(result.layering.obstacles)] = np.nan
     order = np.argsort(averages, kind="stable")
     return averages[order], order
 
@@ -186,7 +187,7 @@ def isolated(result: Reconstruction) -> Mask:
     layer = result.layering.layer
     one, other = result.links.T
     within = layer[one] == layer[other]
-    mask: Mask = layer != UNASSIGNED
+    mask: Mask = (layer != UNASSIGNED) & ~result.layering.in_obstacles()
     mask[one[within]] = False
     mask[other[within]] = False
     return mask

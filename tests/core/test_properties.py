@@ -15,6 +15,7 @@ from tests.conftest import scan_of
 from stepfield.compartments import sort_into_compartments
 from stepfield.heightmap import Frame, GrayScale, draw
 from stepfield.layers import UNASSIGNED, Layering, classify
+from stepfield.obstacles import classify_apart
 from stepfield.pillars import StepField, build_pillars
 from stepfield.scan import Axis, Scan
 
@@ -28,7 +29,13 @@ clouds = st.integers(1, 120).flatmap(
 )
 cells = st.sampled_from([0.125, 0.25, 0.5, 1.0])
 tolerances = st.sampled_from([0.0009765625, 0.0625, 0.25, 1.0, 3.0])
+narrow = st.sampled_from([0.125, 0.25])
 methods = st.sampled_from(["rank", "elevation"])
+#: Many points above a few compartments: two in three of these have a wall.
+towers = st.integers(0, 2**32 - 1).map(
+    lambda seed: np.random.default_rng(seed).integers(0, 4096, (1 + seed % 150, 3)) / [16384, 16384, 2048.0]
+)
+wide = st.sampled_from([0.0625, 0.25, 0.5])
 
 
 def made(points: Floats, cell: float, tolerance: float) -> StepField:
@@ -90,6 +97,38 @@ def test_one_pillar_a_compartment_a_layer_in_order_of_height(
     assert np.all(layering.layer[~enough] == UNASSIGNED)
     if max_layers == "none":
         assert np.all(layering.layer[enough] != UNASSIGNED)
+
+
+@given(towers, narrow, wide, methods, st.sampled_from(["auto", "none", 1, 2, 3]), st.integers(1, 3))
+def test_obstacles_and_surfaces_never_share_a_layer(
+    points: Floats, cell: float, tolerance: float, method: Method, max_layers: Cap, min_points: int
+) -> None:
+    field = made(points, cell, tolerance).with_walls_to_their_tops()
+    layering = classify_apart(field, method, min_points=min_points, max_layers=max_layers)
+    surfaces = layering.count - len(layering.obstacles)
+    assert layering.obstacles == tuple(range(surfaces, layering.count))
+    assigned = layering.layer != UNASSIGNED
+    assert np.array_equal(layering.in_obstacles()[assigned], field.vertical[assigned])
+    for compartment in np.unique(field.compartment):
+        mine = (field.compartment == compartment) & assigned
+        for kind in (mine & field.vertical, mine & ~field.vertical):
+            assert np.all(np.diff(layering.layer[kind]) > 0)
+    enough = field.points >= min_points
+    assert not assigned[~enough].any()
+    if max_layers == "none":
+        assert assigned[enough].all()
+    averages = layering.averages(field.elevation)[:surfaces]
+    assert method == "rank" or np.all(np.diff(averages) >= 0)
+
+
+@given(towers, narrow, wide, methods, st.randoms(use_true_random=False))
+def test_the_order_of_the_points_does_not_matter_for_walls(
+    points: Floats, cell: float, tolerance: float, method: Method, random: Random
+) -> None:
+    shuffled = points[random.sample(range(len(points)), len(points))]
+    one, other = (made(each, cell, tolerance).with_walls_to_their_tops() for each in (points, shuffled))
+    assert np.array_equal(one.vertical, other.vertical)
+    assert images(one, classify_apart(one, method)) == images(other, classify_apart(other, method))
 
 
 @given(clouds, cells, tolerances)

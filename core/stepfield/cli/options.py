@@ -25,6 +25,11 @@ OPTIONS: dict[str, Any] = {
     ),
     "layering": _option("--layering", "rank|elevation", "How pillars get layers. (default: elevation)"),
     "pillar_height": _option("--pillar-height", "mean|max|median|p90", "Height of a pillar. (default: mean)"),
+    "walls": _option(
+        "--walls",
+        "mean|top|layer",
+        "Walls and columns: like all pillars, to their top, or as obstacles. (default: mean)",
+    ),
     "min_points": _option("--min-points", "N", "Pillars of fewer points are left out. (default: 1)"),
     "max_layers": _option("--max-layers", "auto|none|N", "At most this many layers. (default: auto)"),
     "link_step": _option(

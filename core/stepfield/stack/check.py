@@ -91,8 +91,22 @@ def _layer_faults(stack: Stack, layer: LayerEntry) -> Iterator[str]:
         yield f"{layer.mask}: has occupied pixels in the padding"
     if pillars != layer.pillars:
         yield f"{layer.mask}: {pillars} occupied pixels where the manifest says {layer.pillars} pillars"
+    yield from _bottom_faults(stack, layer, gray)
     if pillars:
         yield from _range_faults(stack, layer, layer.offset + layer.scale * gray[mask])
+
+
+def _bottom_faults(stack: Stack, layer: LayerEntry, gray: np.ndarray) -> Iterator[str]:
+    """Say where obstacles have no lower end, or one above their top."""
+    if (layer.kind == "obstacles") != (layer.bottom is not None):
+        yield f"manifest.json: {layer.name} is {layer.kind}, but bottom is {layer.bottom}"
+    bottom = stack.bottom_gray(layer)
+    if bottom is None:
+        return
+    if wrong := np.count_nonzero((bottom > 0) != (gray > 0)):
+        yield f"{layer.bottom}: {wrong} pixels disagree with {layer.mask}: only holes are gray 0"
+    if wrong := np.count_nonzero(bottom > gray):
+        yield f"{layer.bottom}: {wrong} pixels are higher than in {layer.image}"
 
 
 def _range_faults(stack: Stack, layer: LayerEntry, elevation: np.ndarray) -> Iterator[str]:

@@ -70,7 +70,10 @@ class ImageEntry(Frozen):
 
 
 class LayerEntry(Frozen):
-    """One layer: elevation = offset + scale * gray, within half a level."""
+    """One layer: elevation = offset + scale * gray, within half a level.
+
+    Obstacles are solid: ``bottom`` is an image of their lower ends, of the same scale, offset and mask.
+    """
 
     index: Natural
     name: str
@@ -82,6 +85,8 @@ class LayerEntry(Frozen):
     height_mean: Metres | None
     scale: Annotated[float, Field(gt=0, allow_inf_nan=False)]
     offset: Metres
+    kind: Literal["surface", "obstacles"] = "surface"
+    bottom: FileName | None = None
 
 
 class Manifest(Document):
@@ -128,6 +133,11 @@ def image_name(index: int) -> str:
 def mask_name(index: int) -> str:
     """File name of a layer's mask."""
     return f"layer_{index:02d}_mask.png"
+
+
+def bottom_name(index: int) -> str:
+    """File name of the image of a layer's lower ends."""
+    return f"layer_{index:02d}_bottom.png"
 
 
 def describe(result: Reconstruction, lifted: int) -> Manifest:
@@ -178,6 +188,8 @@ def _layer(layer: Layer, result: Reconstruction) -> LayerEntry:
         pillars=len(heights),
         scale=scale.step,
         offset=result.base_elevation + scale.zero,
+        kind="obstacles" if layer.is_obstacles else "surface",
+        bottom=bottom_name(layer.index) if layer.is_obstacles else None,
         **extent,
     )
 

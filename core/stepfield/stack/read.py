@@ -40,11 +40,18 @@ class Stack:
 
     def gray(self, layer: LayerEntry) -> NDArray[np.uint8] | NDArray[np.uint16]:
         """Gray levels of a layer's image, padding included, shape (height, width)."""
-        image = self._pixels(layer.image)
+        return self._gray(layer.image)
+
+    def bottom_gray(self, layer: LayerEntry) -> NDArray[np.uint8] | NDArray[np.uint16] | None:
+        """Gray levels of the lower ends of a layer of obstacles, shape (height, width); None for others."""
+        return None if layer.bottom is None else self._gray(layer.bottom)
+
+    def _gray(self, name: str) -> NDArray[np.uint8] | NDArray[np.uint16]:
+        image = self._pixels(name)
         wanted = np.uint8 if self.manifest.image.bits == 8 else np.uint16
         if image.dtype != wanted:
             raise StackError(
-                f"{self.folder / layer.image}: has {8 * image.itemsize} bits a pixel where the manifest says "
+                f"{self.folder / name}: has {8 * image.itemsize} bits a pixel where the manifest says "
                 f"{self.manifest.image.bits}; build the stack again"
             )
         return image
@@ -56,10 +63,19 @@ class Stack:
 
     def elevations(self, layer: LayerEntry) -> NDArray[np.float64]:
         """Elevations of a layer over the grid in scan coordinates, shape (rows, columns), NaN in holes."""
+        return self._elevations(layer, self.gray(layer))
+
+    def bottoms(self, layer: LayerEntry) -> NDArray[np.float64] | None:
+        """Elevations of the lower ends of obstacles, as :meth:`elevations`; None for a surface."""
+        gray = self.bottom_gray(layer)
+        return None if gray is None else self._elevations(layer, gray)
+
+    def _elevations(
+        self, layer: LayerEntry, gray: NDArray[np.uint8] | NDArray[np.uint16]
+    ) -> NDArray[np.float64]:
         column, row = self.manifest.image.offset
         inside = np.s_[row : row + self.manifest.grid.rows, column : column + self.manifest.grid.columns]
-        gray, mask = self.gray(layer)[inside], self.mask(layer)[inside]
-        return np.where(mask, layer.offset + layer.scale * gray, np.nan)
+        return np.where(self.mask(layer)[inside], layer.offset + layer.scale * gray[inside], np.nan)
 
     def _pixels(self, name: str) -> NDArray[np.uint8] | NDArray[np.uint16]:
         """Read an image, checking its size before it is decoded so that none is absurd."""
