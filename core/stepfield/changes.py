@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stepfield.layers import UNASSIGNED, Layering
 from stepfield.pillars import StepField
-from stepfield.places import occupants, pillars_in
+from stepfield.places import Coverage, covered, occupants
 from stepfield.project import AnyLayer, Conflict, ExistingLayer, Move, NewLayer
 
 Integers = NDArray[np.int64]
@@ -39,6 +39,15 @@ class Outcome:
         return not self.reason
 
 
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """What a move claims for a layer: all that its rectangles cover, not only what follows it."""
+
+    coverage: Coverage
+    target: int
+    following: Integers
+
+
 @dataclass(frozen=True)
 class Change:
     """What a move does to a layering.
@@ -53,6 +62,8 @@ class Change:
     numbers : tuple of int
         What becomes of the numbers of all layers in the end, ``UNASSIGNED`` for one that vanishes; empty
         where they stay.
+    claim : Claim, optional
+        What a move of pillars found, whatever became of it.
     """
 
     outcome: Outcome
@@ -60,6 +71,7 @@ class Change:
     layers: Integers = field(default_factory=_none)
     made: str | None = None
     numbers: tuple[int, ...] = ()
+    claim: Claim | None = None
 
 
 class Unresolved(Exception):
@@ -132,11 +144,13 @@ def _of_pillars(state: State, move: Move) -> Change:
     if not len(move.pillars) and isinstance(move.to, NewLayer):
         is_known = state.number(move.to) is not None
         return Change(Outcome(), made=None if is_known else move.to.new)
-    pillars = pillars_in(state.field, move.boxes(), one_only=move.to != "unassigned")
+    coverage = covered(state.field, move.boxes())
+    pillars = coverage.following(state.field, one_only=move.to != "unassigned")
     if not len(pillars):
         raise Unresolved("no pillar is where the moved ones were")
     target, made = _target(state, move)
-    return replace(put(state, pillars, target, move.conflict), made=made)
+    claim = Claim(coverage, target, pillars)
+    return replace(put(state, pillars, target, move.conflict), made=made, claim=claim)
 
 
 def _of_layer(state: State, move: Move, layer: AnyLayer) -> Change:

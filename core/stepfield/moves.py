@@ -1,7 +1,8 @@
 """Moves made by hand, applied after the automatic layering: they are places in the world, not indices.
 
 A pillar follows a move when more than half of its compartment lies within the move's rectangles and its
-elevation span overlaps theirs; so edits survive another cell size or tolerance. What no longer resolves is
+elevation span overlaps theirs; so edits survive another cell size or tolerance. A compartment that several
+moves share goes by what each of them covers in the end. What no longer resolves is
 reported with its reason and kept in the project, to be tried again at the next run. One move more, one
 undone or one redone costs what that move touches.
 """
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stepfield.bits import Before, Bits
 from stepfield.changes import Change, State, change_of, renumbered
 from stepfield.changes import Outcome as Outcome
 from stepfield.layers import UNASSIGNED, Layering
@@ -58,6 +60,8 @@ class Step:
     made : dict of int to str
     obstacles : tuple of int
         Of the layering before.
+    bits : Before or None
+        Of the compartments that moves cover in part.
     """
 
     move: Move
@@ -68,6 +72,7 @@ class Step:
     count: int
     made: dict[int, str]
     obstacles: tuple[int, ...]
+    bits: Before | None = None
 
 
 class Replay:
@@ -82,6 +87,7 @@ class Replay:
     def __init__(self, field: StepField, automatic: Layering) -> None:
         self._automatic = automatic
         self._state = State(field, automatic.layer.copy(), automatic.count, {}, automatic.obstacles)
+        self._bits = Bits(field)
         self._steps: list[Step] = []
 
     def edited(self, moves: Sequence[Move], progress: Progress = silent) -> Edited:
@@ -109,21 +115,22 @@ class Replay:
         return next(other, min(len(self._steps), len(moves)))
 
     def _applied(self, move: Move) -> Step:
-        state, change = self._state, change_of(self._state, move)
+        state = self._state
+        change, bits = self._bits.followed(state, move, change_of(state, move))
         # Thousands of steps are kept: bytes count.
         pillars = change.pillars.astype(np.min_scalar_type(len(state.field)))
         before = state.layer[change.pillars].astype(np.min_scalar_type(-state.count - 1))
         state.layer[change.pillars] = change.layers
         _renumber(state.layer, change.numbers)
         self._state = _after(state, change)
-        return Step(
-            move, change.outcome, pillars, before, change.numbers, state.count, state.made, state.obstacles
-        )
+        standing = state.count, state.made, state.obstacles
+        return Step(move, change.outcome, pillars, before, change.numbers, *standing, bits)
 
     def _take_back(self, step: Step) -> None:
         layer, vanished = self._state.layer, step.numbers.count(UNASSIGNED)
         _renumber(layer, tuple(np.argsort(step.numbers)[vanished:].tolist()))
         layer[step.pillars] = step.layers
+        self._bits.take_back(step.bits)
         self._state = replace(self._state, count=step.count, made=step.made, obstacles=step.obstacles)
 
 

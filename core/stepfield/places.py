@@ -6,6 +6,8 @@ hold ten thousand moves.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +19,62 @@ Integers = NDArray[np.int64]
 
 #: Metres by which places written to a file and read again may differ.
 ROUNDING = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Coverage:
+    """Where rectangles and pillars meet: a rectangle speaks for one pillar of a compartment.
+
+    Attributes
+    ----------
+    pillars : ndarray of shape (n,), int64
+        Ascending.
+    share : ndarray of shape (n,), float64
+        Of each one's compartment, how much lies within the rectangles that speak for it.
+    depth : ndarray of shape (n,), float64
+        How far their elevation spans overlap its own, metres.
+    box, pillar : ndarray of shape (m,), int64
+        Every pair of a rectangle and a pillar it speaks for.
+    """
+
+    pillars: Integers
+    share: Floats
+    depth: Floats
+    box: Integers
+    pillar: Integers
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether no compartment is covered in part: the rectangles are those of this grid."""
+        return bool((self.share > 1 - ROUNDING).all())
+
+    def following(self, field: StepField, *, one_only: bool) -> Integers:
+        """Return the pillars of which more than half is covered; see :func:`pillars_in`."""
+        follows = self.share > 0.5 + ROUNDING
+        following = self.pillars[follows]
+        if one_only:
+            following = following[best_of_runs(field.compartment[following], self.depth[follows])]
+        return following
+
+
+def covered(field: StepField, boxes: Floats) -> Coverage:
+    """Find what boxes of shape (B, 6), scan coordinates in metres, speak for."""
+    span = boxes[:, 4:] - field.compartments.lowest
+    box, compartment, area = _shared_area(field.compartments.grid, boxes)
+    place, pillar = standing_in(field, compartment)
+    low, high = span[box[place]].T
+    overlap = np.minimum(high, field.high[pillar]) - np.maximum(low, field.low[pillar])
+    meets = overlap >= -ROUNDING
+    place, pillar, overlap = place[meets], pillar[meets], overlap[meets]
+    # A rectangle speaks for one pillar of a compartment: the one its elevation span overlaps most.
+    spoken = best_of_runs(place, overlap)
+    place, pillar, overlap = place[spoken], pillar[spoken], overlap[spoken]
+    share = area[place] / field.compartments.grid.cell_size**2
+    if (pillar[1:] > pillar[:-1]).all():  # as many as boxes, in order: those of this grid
+        return Coverage(pillar, share, overlap, box[place], pillar)
+    found, which = np.unique(pillar, return_inverse=True)
+    shares, depths = (np.bincount(which, each).astype(np.float64) for each in (share, overlap))
+    return Coverage(found, shares, depths, box[place], pillar)
 
 
 def pillars_in(field: StepField, boxes: Floats, *, one_only: bool) -> Integers:
@@ -33,23 +91,7 @@ def pillars_in(field: StepField, boxes: Floats, *, one_only: bool) -> Integers:
     one_only : bool
         Keep one pillar a compartment, the most overlapping one: two cannot go to the same layer.
     """
-    span = boxes[:, 4:] - field.compartments.lowest
-    box, compartment, area = _covered(field.compartments.grid, boxes)
-    place, pillar = standing_in(field, compartment)
-    low, high = span[box[place]].T
-    overlap = np.minimum(high, field.high[pillar]) - np.maximum(low, field.low[pillar])
-    meets = overlap >= -ROUNDING
-    place, pillar, overlap = place[meets], pillar[meets], overlap[meets]
-    # A rectangle speaks for one pillar of a compartment: the one its elevation span overlaps most.
-    spoken = best_of_runs(place, overlap)
-    found, which = np.unique(pillar[spoken], return_inverse=True)
-    share = np.bincount(which, area[place[spoken]]) / field.compartments.grid.cell_size**2
-    depth = np.bincount(which, overlap[spoken])
-    follows = share > 0.5 + ROUNDING
-    following = found[follows]
-    if one_only:
-        following = following[best_of_runs(field.compartment[following], depth[follows])]
-    return following
+    return covered(field, boxes).following(field, one_only=one_only)
 
 
 def occupants(field: StepField, layer: Integers, pillars: Integers, target: int) -> Integers:
@@ -95,7 +137,7 @@ def best_of_runs(key: Integers, worth: NDArray[np.float64] | Integers) -> Intege
     return chosen
 
 
-def _covered(grid: Grid, boxes: Floats) -> tuple[Integers, Integers, Floats]:
+def _shared_area(grid: Grid, boxes: Floats) -> tuple[Integers, Integers, Floats]:
     """Pairs of box and compartment that share area: box index, compartment number, square metres."""
     edge = boxes[:, :4] - [grid.west, grid.south, grid.west, grid.south]
     first = np.floor(edge[:, :2] / grid.cell_size + ROUNDING).astype(np.int64)

@@ -129,10 +129,13 @@ def test_a_coarser_grid_keeps_what_each_move_moved_in_its_layer(edits: Edits, ro
 
 
 def test_a_coarser_grid_keeps_the_end_of_it_all(edits: Edits, room: Path) -> None:
-    """After hundreds of moves over one another there is a rim everywhere: at best 0.93 could be kept."""
+    """After hundreds of moves over one another there is a rim everywhere: at best 0.93 could be kept.
+
+    Were every move to leave its rims to the one before, it would be 0.89.
+    """
     coarse = Pipeline().run([room], Parameters(cell_size=0.15), edits.moves)
     result = edits.result
     chosen = np.flatnonzero(result.layering.layer != result.automatic.layer)
     wanted = result.layering.layer[chosen]
-    assert kept_area(result.field, chosen, wanted, coarse.field, coarse.layering.layer) >= 0.85
+    assert kept_area(result.field, chosen, wanted, coarse.field, coarse.layering.layer) >= 0.9
     assert sum(outcome.resolved for outcome in coarse.outcomes) >= 0.98 * MOVES
