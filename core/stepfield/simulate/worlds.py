@@ -33,7 +33,7 @@ class World:
     name : str
     model : mujoco.MjModel
     parts : int
-        Height-fields, or triangles.
+        Height-fields and boxes, or triangles.
     load_seconds : float
         From files to a model.
     megabytes : float
@@ -53,7 +53,7 @@ class World:
 def of_stack(name: str, terrain: Terrain, start: Place) -> World:
     """Make a world of a stack's layers, as ``export --target mujoco`` writes them."""
     low = [float(np.nanmin(layer.elevations)) for layer in terrain.layers if layer.occupied.any()]
-    if not any(layer.quads.any() for layer in terrain.layers):
+    if not any(layer.has_body and not layer.is_obstacles for layer in terrain.layers):
         raise SimulationError(
             f"{name}: the stack has no surface to drive on; build it with a larger cell size"
         )
@@ -61,7 +61,7 @@ def of_stack(name: str, terrain: Terrain, start: Place) -> World:
     def write(folder: Path) -> None:
         target.write(terrain, folder, Options())
 
-    return _world(name, start, write, min(low), lambda model: int(model.nhfield))
+    return _world(name, start, write, min(low), lambda model: int((model.geom_bodyid == 0).sum()))
 
 
 def of_mesh(name: str, mesh: Mesh, start: Place) -> World:

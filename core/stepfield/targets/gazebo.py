@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from stepfield.stack.write import save_gray
+from stepfield.surface import Mesh
+from stepfield.targets.boxes import as_boxes
 from stepfield.targets.meshfiles import Titled, save
 from stepfield.targets.sdf import Heightmap, MeshShape, Model, config, model, world
 from stepfield.targets.target import Options, Written, without_surface
@@ -80,7 +82,7 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
     """Write the models and the worlds that include them."""
     models, files = [], []
     for layer in terrain.layers:
-        if layer.quads.any():
+        if layer.has_body:
             made = _mesh_model(terrain, layer)
             files += _write_model(terrain, folder, made)
             _save_mesh(folder / MODELS / made.name / _mesh_name(layer), terrain, layer, options)
@@ -158,10 +160,15 @@ def _mesh_name(layer: TerrainLayer) -> str:
 
 
 def _save_mesh(path: Path, terrain: Terrain, layer: TerrainLayer, options: Options) -> None:
-    sheet = terrain.surface(layer, CLOSE if options.decimate is None else options.decimate)
     path.parent.mkdir(parents=True)
-    body = sheet if options.thicken is None else thickened(sheet, options.thicken)
-    save(path, body, Titled(layer.name, terrain.local_origin))
+    save(path, _body(terrain, layer, options), Titled(layer.name, terrain.local_origin))
+
+
+def _body(terrain: Terrain, layer: TerrainLayer, options: Options) -> Mesh:
+    if layer.is_obstacles:
+        return as_boxes(terrain, layer, options.decimate)
+    sheet = terrain.surface(layer, CLOSE if options.decimate is None else options.decimate)
+    return sheet if options.thicken is None else thickened(sheet, options.thicken)
 
 
 def _steps(terrain: Terrain, options: Options, names: Sequence[str]) -> str:
@@ -175,6 +182,7 @@ def _steps(terrain: Terrain, options: Options, names: Sequence[str]) -> str:
         "",
         f"Meshes (STL) hold the layers with their holes, nowhere further than {number(bound)} m above or",
         "below the surface (--decimate M); they are open sheets unless --thicken M has closed them.",
+        "Layers of obstacles are closed boxes from where each wall or column begins to its top.",
         "The world tells DART to find contacts with bullet: with its default, things fall through terrain.",
     ]
     square = Square.around(terrain.layers[0]) if terrain.layers else None

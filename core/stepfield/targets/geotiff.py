@@ -9,7 +9,7 @@ import numpy as np
 
 from stepfield.files import one_line
 from stepfield.targets.target import Options, Written
-from stepfield.targets.terrain import Terrain, TerrainLayer
+from stepfield.targets.terrain import Raster, Terrain, TerrainLayer
 from stepfield.targets.text import number, readme, write_text
 
 #: What a hole holds, as declared.
@@ -20,11 +20,16 @@ TILE = 256
 
 def write(terrain: Terrain, folder: Path, options: Options) -> Written:
     """Write every layer as a raster."""
+    files = []
     for layer in terrain.layers:
-        (folder / f"{layer.label}.tif").write_bytes(_raster(terrain, layer))
+        files.append(f"{layer.label}.tif")
+        (folder / files[-1]).write_bytes(_raster(terrain, layer, layer.elevations))
+        if layer.bottoms is not None:
+            files.append(f"{layer.label}_bottom.tif")
+            (folder / files[-1]).write_bytes(_raster(terrain, layer, layer.bottoms))
     notes = limits(terrain)
     write_text(folder / "README.txt", readme(terrain, "GeoTIFF", _steps(terrain), notes))
-    return Written((*(f"{layer.label}.tif" for layer in terrain.layers), "README.txt"), tuple(notes))
+    return Written((*files, "README.txt"), tuple(notes))
 
 
 def limits(terrain: Terrain) -> list[str]:
@@ -52,11 +57,11 @@ def _crs(terrain: Terrain) -> Any:
             return None
 
 
-def _raster(terrain: Terrain, layer: TerrainLayer) -> bytes:
-    """Return the file of a layer; made in memory, as GDAL would complain of a full disk by itself."""
+def _raster(terrain: Terrain, layer: TerrainLayer, local: Raster) -> bytes:
+    """Return a file of a layer's elevations; made in memory, as GDAL would complain of a full disk itself."""
     import rasterio
 
-    elevations = (layer.elevations.astype(np.float64) + terrain.local_origin[2]) / terrain.unit_factor
+    elevations = (local.astype(np.float64) + terrain.local_origin[2]) / terrain.unit_factor
     west, north, cell = _placement(terrain)
     profile = {
         "driver": "GTiff",
@@ -99,6 +104,7 @@ def _steps(terrain: Terrain) -> str:
             f"Unit of the source, in all three directions: {terrain.unit} ({number(terrain.unit_factor)} m).",
             f"Not local: the west edge is at {west!r}, the north edge at {north!r}.",
             f"A pixel is {cell!r} wide, and its centre is the middle of its compartment.",
+            "Layers of obstacles have a second file, layer_NN_bottom.tif: where each wall or column begins.",
             f"Holes are nodata, {number(NODATA)}. One file a layer: Gazebo refuses more bands than one.",
         ]
     )

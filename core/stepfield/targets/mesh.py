@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from stepfield.surface import Mesh
+from stepfield.targets.boxes import as_boxes
 from stepfield.targets.meshfiles import Titled, save
 from stepfield.targets.target import Options, Written, without_surface
 from stepfield.targets.terrain import Terrain, TerrainLayer
@@ -24,8 +25,12 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
     counts = []
     for layer in terrain.layers:
         sizes = []
-        for place, sheet in (("", terrain.surface(layer)), (f"{DECIMATED}/", terrain.surface(layer, bound))):
-            files += _save(folder, f"{place}{layer.label}", terrain, layer, _closed(sheet, options))
+        for place, sheet in (
+            ("", _surface(terrain, layer)),
+            (f"{DECIMATED}/", _surface(terrain, layer, bound)),
+        ):
+            closed = sheet if layer.is_obstacles else _closed(sheet, options)
+            files += _save(folder, f"{place}{layer.label}", terrain, layer, closed)
             sizes.append(len(sheet.triangles))
         counts.append(f"{layer.label}  {sizes[0]} triangles, decimated {sizes[1]}")
     notes = limits(terrain)
@@ -42,6 +47,12 @@ def limits(terrain: Terrain) -> list[str]:
 def error_bound(terrain: Terrain, options: Options) -> float:
     """How far the decimated surface may be from the whole one, metres."""
     return terrain.cell_size / 4 if options.decimate is None else options.decimate
+
+
+def _surface(terrain: Terrain, layer: TerrainLayer, bound: float | None = None) -> Mesh:
+    if layer.is_obstacles:
+        return as_boxes(terrain, layer, bound or 0.0)
+    return terrain.surface(layer, bound)
 
 
 def _closed(sheet: Mesh, options: Options) -> Mesh:
@@ -72,6 +83,7 @@ def _steps(bound: float, options: Options, counts: list[str]) -> str:
             "layer_NN.obj, .stl, .ply (z up)",
             "The formats hold the same surface: a vertex in the middle of every compartment, two triangles",
             "wherever four neighbouring compartments have a pillar; holes are missing triangles.",
+            "Layers of obstacles are closed boxes from where each wall or column begins to its top.",
             kind,
             "Tell a physics engine that it is a triangle mesh: a convex hull would fill the holes.",
             "",

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
 from stepfield.errors import TargetError
+from stepfield.targets.boxes import Box, boxes
 from stepfield.targets.target import Options, Written
 from stepfield.targets.terrain import Raster, Terrain, TerrainLayer
 from stepfield.targets.text import as_word, in_xml, number, numbers, readme, write_text
@@ -40,9 +42,9 @@ _COLOURS = (
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """What the scene says of one tile."""
+    """What the scene says of one tile, or of one box, which needs no asset."""
 
-    asset: str
+    asset: str | None
     geometry: str
     file: str | None = None
 
@@ -63,9 +65,9 @@ def limits(terrain: Terrain) -> list[str]:
     said = [
         f"{layer.name}: nowhere do four samples meet, so the layer has no surface and is left out"
         for layer in terrain.layers
-        if not layer.quads.any()
+        if not layer.has_body
     ]
-    if len(terrain.layers) > 1:
+    if sum(not layer.is_obstacles for layer in terrain.layers) > 1:
         said.append(
             "MuJoCo's height-fields are solid: an upper layer is up to 10 cm thick below its lowest part, "
             "and where it slopes it takes up to a quarter of the free height beneath it"
@@ -74,10 +76,21 @@ def limits(terrain: Terrain) -> list[str]:
 
 
 def _counts(terrain: Terrain, pieces: list[list[_Piece]]) -> list[str]:
-    total = sum(map(len, pieces))
-    if total <= len(terrain.layers):
-        return []
-    return [f"the layers are {total:,} height-fields: MuJoCo's have neither holes nor space beneath them"]
+    said = [
+        f"{layer.name}: {len(own):,} boxes"
+        for layer, own in zip(terrain.layers, pieces, strict=True)
+        if layer.is_obstacles
+    ]
+    total = sum(map(_is_tile, chain.from_iterable(pieces)))
+    if total > len(terrain.layers) - len(said):
+        said.append(
+            f"the layers are {total:,} height-fields: MuJoCo's have neither holes nor space beneath them"
+        )
+    return said
+
+
+def _is_tile(piece: _Piece) -> bool:
+    return piece.asset is not None
 
 
 # ---- pieces ----------------------------------------------------------------------------------------
@@ -85,6 +98,8 @@ def _counts(terrain: Terrain, pieces: list[list[_Piece]]) -> list[str]:
 
 def _pieces(terrain: Terrain, layer: TerrainLayer, folder: Path) -> list[_Piece]:
     """Write the binaries of a layer; return what the scene says of each tile."""
+    if layer.is_obstacles:
+        return [_solid(layer, number, box) for number, box in enumerate(boxes(terrain, layer))]
     made: list[_Piece] = []
     for tile in tiles(terrain, layer):
         if len(made) == MOST_TILES:
@@ -94,6 +109,12 @@ def _pieces(terrain: Terrain, layer: TerrainLayer, folder: Path) -> list[_Piece]
             )
         made.append(_piece(terrain, layer, tile, f"{layer.label}_{len(made):05d}", folder))
     return made
+
+
+def _solid(layer: TerrainLayer, count: int, box: Box) -> _Piece:
+    place, size = (" ".join(map(_exact, of)) for of in (box.middle, box.half))
+    geometry = f'<geom class="{layer.label}" name="{layer.label}_{count:05d}" pos="{place}" size="{size}"/>'
+    return _Piece(None, geometry)
 
 
 def _piece(terrain: Terrain, layer: TerrainLayer, tile: Tile, name: str, folder: Path) -> _Piece:
@@ -192,7 +213,8 @@ def _heights(terrain: Terrain) -> tuple[float, float]:
 
 def _default(layer: TerrainLayer) -> str:
     """What the geometries of a layer share."""
-    geometry = f'<geom type="hfield" quat="{TURN}" material="{layer.label}"/>'
+    kind = 'type="box"' if layer.is_obstacles else f'type="hfield" quat="{TURN}"'
+    geometry = f'<geom {kind} material="{layer.label}"/>'
     return f'<default class="{layer.label}">{geometry}</default>'
 
 
@@ -200,7 +222,7 @@ def _assets(terrain: Terrain, pieces: list[list[_Piece]]) -> Iterator[str]:
     for layer, own in zip(terrain.layers, pieces, strict=True):
         colour = _COLOURS[layer.index % len(_COLOURS)]
         yield f'<material name="{layer.label}" rgba="{numbers(colour)} 1" specular="0.1"/>'
-        yield from (piece.asset for piece in own)
+        yield from (piece.asset for piece in own if piece.asset is not None)
 
 
 def _geometries(pieces: list[list[_Piece]]) -> Iterator[str]:
@@ -214,7 +236,8 @@ def _steps(terrain: Terrain, pieces: list[list[_Piece]]) -> str:
     low, high = _heights(terrain)
     x, y = (terrain.west + terrain.east) / 2, (terrain.south + terrain.north) / 2
     bodies = "\n".join(
-        f"  {layer.label}: {len(own)} height-field{'s' * (len(own) != 1)}"
+        f"  {layer.label}: {len(own)} {'box' if layer.is_obstacles else 'height-field'}"
+        f"{('es' if layer.is_obstacles else 's') * (len(own) != 1)}"
         for layer, own in zip(terrain.layers, pieces, strict=True)
     )
     return f"""

@@ -10,9 +10,11 @@ import json
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from stepfield.targets.boxes import boxes
 from stepfield.targets.target import Options, Written
-from stepfield.targets.terrain import Terrain
+from stepfield.targets.terrain import Terrain, TerrainLayer
 from stepfield.targets.text import number, readme, write_text
 
 SCRIPT = "load_stack.py"
@@ -23,14 +25,16 @@ MEMORY, TIME = 1400, 6
 
 def write(terrain: Terrain, folder: Path, options: Options) -> Written:
     """Write the rasters, what they mean, the loader and a README."""
-    rasters = tuple(f"{layer.label}.npy" for layer in terrain.layers)
-    for file, layer in zip(rasters, terrain.layers, strict=True):
-        np.save(folder / file, layer.elevations.astype("<f4"))
-    write_text(folder / PLACES, _places(terrain, rasters))
+    files = tuple(_file(layer) for layer in terrain.layers)
+    for file, layer in zip(files, terrain.layers, strict=True):
+        np.save(
+            folder / file, _solids(terrain, layer) if layer.is_obstacles else layer.elevations.astype("<f4")
+        )
+    write_text(folder / PLACES, _places(terrain))
     write_text(folder / SCRIPT, LOADER)
     notes = tuple(limits(terrain))
     write_text(folder / "README.txt", readme(terrain, "PyBullet", _steps(terrain), notes))
-    return Written((PLACES, SCRIPT, *rasters, "README.txt"), notes)
+    return Written((PLACES, SCRIPT, *files, "README.txt"), notes)
 
 
 def limits(terrain: Terrain) -> list[str]:
@@ -38,14 +42,23 @@ def limits(terrain: Terrain) -> list[str]:
     return [
         f"{layer.name}: nowhere do four samples meet, so the layer has no surface and no body"
         for layer in terrain.layers
-        if not layer.quads.any()
+        if not layer.has_body
     ]
 
 
-def _places(terrain: Terrain, rasters: tuple[str, ...]) -> str:
+def _file(layer: TerrainLayer) -> str:
+    return f"{layer.label}_boxes.npy" if layer.is_obstacles else f"{layer.label}.npy"
+
+
+def _solids(terrain: Terrain, layer: TerrainLayer) -> NDArray[np.float64]:
+    """Return the middle of every box of a layer of obstacles, and half its size; shape (n, 6)."""
+    return np.array([(*box.middle, *box.half) for box in boxes(terrain, layer)], "<f8").reshape(-1, 6)
+
+
+def _places(terrain: Terrain) -> str:
     layers = [
-        {"label": layer.label, "name": layer.name, "file": file}
-        for file, layer in zip(rasters, terrain.layers, strict=True)
+        {"label": layer.label, "name": layer.name, "boxes" if layer.is_obstacles else "file": _file(layer)}
+        for layer in terrain.layers
     ]
     values = {
         "name": terrain.name,
@@ -73,12 +86,13 @@ How to use it
 
    load(visible=False) saves a third of the memory where nothing looks.
 
-Every body is static (mass 0) and made of triangles; a hole is a hole for rays and for contacts. Large
-layers are several bodies. Loading takes about {number(max(1.0, round(samples * TIME)))} s \
+Every body is static (mass 0) and made of triangles, obstacles are boxes; a hole is a hole for rays and for
+contacts. Large layers are several bodies. Loading takes about {number(max(1.0, round(samples * TIME)))} s \
 and {number(max(1.0, round(samples * MEMORY)))} MB.
 
 The files
 layer_NN.npy   float32 elevations in metres, row 0 north, column 0 west, NaN a hole, a sample a vertex
+layer_NN_boxes.npy   obstacles: x, y, z of the middle of every box, and half its size
 {PLACES}     cell size, place of the north-west sample, local_origin, names
 {SCRIPT}  needs numpy and pybullet only
 """
@@ -109,8 +123,12 @@ def load(client=0, offset=(0.0, 0.0, 0.0), visible=True, folder=HERE):
     corner = stack["west"] + offset[0], stack["north"] + offset[1], offset[2]
     bodies = {}
     for i, layer in enumerate(stack["layers"]):
-        raster = np.load(folder / layer["file"]).astype(float)
         tint = COLOURS[i % len(COLOURS)] if visible else None
+        if "boxes" in layer:
+            solids = np.load(folder / layer["boxes"]).reshape(-1, 2, 3)
+            bodies[layer["label"]] = [box(place + offset, half, tint, client) for place, half in solids]
+            continue
+        raster = np.load(folder / layer["file"]).astype(float)
         made = [body(*tile, tint, client) for tile in tiles(raster, corner, stack["cell_size"])]
         bodies[layer["label"]] = made
     return bodies
@@ -148,6 +166,15 @@ def body(place, vertices, triangles, colour, client):
     if colour is not None:
         seen = {"normals": normals(vertices, triangles).tolist(), "rgbaColor": (*colour, 1)}
         look = pybullet.createVisualShape(pybullet.GEOM_MESH, **seen, **mesh)
+    return pybullet.createMultiBody(0, shape, look, basePosition=place.tolist(), physicsClientId=client)
+
+
+def box(place, half, colour, client):
+    """Make one static box, of a wall or a column."""
+    extent = {"halfExtents": half.tolist(), "physicsClientId": client}
+    shape, look = pybullet.createCollisionShape(pybullet.GEOM_BOX, **extent), -1
+    if colour is not None:
+        look = pybullet.createVisualShape(pybullet.GEOM_BOX, rgbaColor=(*colour, 1), **extent)
     return pybullet.createMultiBody(0, shape, look, basePosition=place.tolist(), physicsClientId=client)
 
 

@@ -50,7 +50,7 @@ def without_surface(terrain: Terrain) -> list[str]:
     return [
         f"{layer.label} has no surface: nowhere do four neighbouring compartments have a pillar"
         for layer in terrain.layers
-        if not layer.quads.any()
+        if not layer.has_body
     ]
 
 

@@ -36,12 +36,25 @@ class TerrainLayer:
         compartment.
     half_level : float
         Half a gray level of the layer's image, metres.
+    bottoms : ndarray of shape (rows, columns), float32, read-only, or None
+        Of a layer of obstacles: where they begin, as ``elevations``.
     """
 
     index: int
     name: str
     elevations: Raster
     half_level: float
+    bottoms: Raster | None = None
+
+    @property
+    def is_obstacles(self) -> bool:
+        """Whether the layer is made of solid walls and columns, not a surface."""
+        return self.bottoms is not None
+
+    @property
+    def has_body(self) -> bool:
+        """Whether there is anything of the layer to run into."""
+        return bool(self.occupied.any() if self.is_obstacles else self.quads.any())
 
     @property
     def label(self) -> str:
@@ -63,7 +76,7 @@ class TerrainLayer:
     @property
     def is_whole(self) -> bool:
         """Whether the layer has a surface without a hole."""
-        return self.quads.size > 0 and bool(self.occupied.all())
+        return not self.is_obstacles and self.quads.size > 0 and bool(self.occupied.all())
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,6 +215,18 @@ def _layer(stack: Stack, entry: LayerEntry, origin: float) -> TerrainLayer:
     elevations = stack.elevations(entry)
     if elevations.shape != (grid.rows, grid.columns):
         raise StackError(f"{stack.folder}: the grid does not fit into the images; build the stack again")
+    bottoms = stack.bottoms(entry)
+    return TerrainLayer(
+        entry.index,
+        entry.name,
+        _local(stack, entry, elevations, origin),
+        entry.scale / 2,
+        None if bottoms is None else _local(stack, entry, bottoms, origin),
+    )
+
+
+def _local(stack: Stack, entry: LayerEntry, elevations: NDArray[np.float64], origin: float) -> Raster:
+    """Turn elevations into local ones, as precise as simulators have them."""
     with np.errstate(over="ignore"):
         local = (elevations - origin).astype(np.float32)
     if np.isinf(local).any():
@@ -210,4 +235,4 @@ def _layer(stack: Stack, entry: LayerEntry, origin: float) -> TerrainLayer:
             f"holds; build the stack again"
         )
     local.flags.writeable = False
-    return TerrainLayer(entry.index, entry.name, local, entry.scale / 2)
+    return local
