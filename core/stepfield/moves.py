@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.bits import Before, Bits
-from stepfield.changes import Change, State, change_of, renumbered
 from stepfield.changes import Outcome as Outcome
+from stepfield.changes import State, change_of, renumbered
 from stepfield.layers import UNASSIGNED, Layering
 from stepfield.pillars import StepField
 from stepfield.places import pillars_in as pillars_in
@@ -52,8 +52,10 @@ class Step:
     ----------
     move : Move
     outcome : Outcome
-    pillars, layers : ndarray of shape (n,)
-        The pillars it changed and the layers they were in, in as few bytes as will do.
+    pillars, layers, went : ndarray of shape (n,)
+        The pillars it changed, the layers they were in and those they went to, in as few bytes as will do.
+    new : str, optional
+        Name of the layer that it made.
     numbers : tuple of int
         As in :class:`Change`.
     count : int
@@ -68,6 +70,8 @@ class Step:
     outcome: Outcome
     pillars: NDArray[Any]
     layers: NDArray[Any]
+    went: NDArray[Any]
+    new: str | None
     numbers: tuple[int, ...]
     count: int
     made: dict[int, str]
@@ -89,6 +93,7 @@ class Replay:
         self._state = State(field, automatic.layer.copy(), automatic.count, {}, automatic.obstacles)
         self._bits = Bits(field)
         self._steps: list[Step] = []
+        self._taken: list[Step] = []  # taken back since the last move that was new, the first one last
 
     def edited(self, moves: Sequence[Move], progress: Progress = silent) -> Edited:
         """Apply a sequence of moves instead of the last one.
@@ -98,10 +103,11 @@ class Replay:
         """
         kept = self._shared_with(moves)
         while len(self._steps) > kept:
-            self._take_back(self._steps.pop())
+            self._taken.append(self._steps.pop())
+            self._take_back(self._taken[-1])
         for nth, move in enumerate(moves[kept:], start=kept):
             progress(nth / len(moves), "applying moves")
-            self._steps.append(self._applied(move))
+            self._steps.append(self._again(move) or self._applied(move))
         layer = self._state.layer.copy()
         layer.flags.writeable = False
         state = self._state
@@ -114,17 +120,40 @@ class Replay:
         other = (n for n, (step, move) in enumerate(pairs) if step.move is not move and step.move != move)
         return next(other, min(len(self._steps), len(moves)))
 
+    def _again(self, move: Move) -> Step | None:
+        """Do a step once more that was the next one to be taken back; None for any other move."""
+        step = self._taken.pop() if self._taken else None
+        if step is None or step.bits is not None or (step.move is not move and step.move != move):
+            self._taken.clear()
+            return None
+        self._do(step)
+        return step
+
     def _applied(self, move: Move) -> Step:
         state = self._state
         change, bits = self._bits.followed(state, move, change_of(state, move))
         # Thousands of steps are kept: bytes count.
-        pillars = change.pillars.astype(np.min_scalar_type(len(state.field)))
-        before = state.layer[change.pillars].astype(np.min_scalar_type(-state.count - 1))
-        state.layer[change.pillars] = change.layers
-        _renumber(state.layer, change.numbers)
-        self._state = _after(state, change)
-        standing = state.count, state.made, state.obstacles
-        return Step(move, change.outcome, pillars, before, change.numbers, *standing, bits)
+        few = np.min_scalar_type(-state.count - 2)
+        step = Step(
+            move,
+            change.outcome,
+            pillars=change.pillars.astype(np.min_scalar_type(len(state.field))),
+            layers=state.layer[change.pillars].astype(few),
+            went=change.layers.astype(few),
+            new=change.made,
+            numbers=change.numbers,
+            count=state.count,
+            made=state.made,
+            obstacles=state.obstacles,
+            bits=bits,
+        )
+        self._do(step)
+        return step
+
+    def _do(self, step: Step) -> None:
+        self._state.layer[step.pillars] = step.went
+        _renumber(self._state.layer, step.numbers)
+        self._state = _after(self._state, step)
 
     def _take_back(self, step: Step) -> None:
         layer, vanished = self._state.layer, step.numbers.count(UNASSIGNED)
@@ -153,13 +182,13 @@ def _renumber(layer: NDArray[np.int64], numbers: tuple[int, ...]) -> None:
         layer[:] = np.array([*numbers, UNASSIGNED])[layer]  # -1 finds the last entry
 
 
-def _after(state: State, change: Change) -> State:
+def _after(state: State, step: Step) -> State:
     """Return the state with other layers, the same ``layer`` array in it."""
     made, count, obstacles = state.made, state.count, state.obstacles
-    if change.made is not None:
-        made, count = made | {count: change.made}, count + 1
-    if change.numbers:
-        numbers = change.numbers
+    if step.new is not None:
+        made, count = made | {count: step.new}, count + 1
+    if step.numbers:
+        numbers = step.numbers
         made = {renumbered(n, numbers): name for n, name in made.items() if numbers[n] != UNASSIGNED}
         obstacles = tuple(sorted(numbers[n] for n in obstacles if numbers[n] != UNASSIGNED))
-    return replace(state, count=count - change.numbers.count(UNASSIGNED), made=made, obstacles=obstacles)
+    return replace(state, count=count - step.numbers.count(UNASSIGNED), made=made, obstacles=obstacles)

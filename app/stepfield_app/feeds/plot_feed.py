@@ -7,14 +7,12 @@ from typing import Any
 from PySide6.QtCore import QObject, Signal
 
 from stepfield_app.document import Document
+from stepfield_app.feeds.panel_pictures import PanelDrawing, PanelPictures, PanelWish
 from stepfield_app.feeds.plots import (
     Cutting,
     MapWish,
-    PanelPictures,
-    PanelWish,
     SectionWish,
     map_picture,
-    panel_pictures,
 )
 from stepfield_app.feeds.scene_feed import SceneFeed
 from stepfield_app.newest import NewestWins
@@ -49,7 +47,7 @@ class PlotFeed(QObject):
         self._document, self._scene_feed = document, scene_feed
         self._map, self._profile, self._histogram, self._layers = map_view, profile, histogram, layers
         self._maps = self._worker(map_picture, "map", self._show_map)
-        self._panels = self._worker(panel_pictures, "layers panel", self._show_panel)
+        self._panels = self._worker(PanelDrawing(), "layers panel", self._show_panel)
         self._sections = self._worker(Cutting(), "profile", self._show_section, PROFILE_PACE)
         document.answer_changed.connect(self._take)
         document.opened.connect(self._begin)

@@ -1,8 +1,7 @@
-"""From an answer to what the plots and the layers panel show: functions for workers."""
+"""From an answer to what the plots show: functions for workers."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,18 +13,15 @@ from stepfield.progress import Progress
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.requests import Answer
 from stepfield_app.scenes.cloud import Cloud
-from stepfield_app.scenes.histogram import of_layers
 from stepfield_app.scenes.palette import UNASSIGNED_CODE
-from stepfield_app.scenes.raster import raster, thumbnails
+from stepfield_app.scenes.raster import raster
 from stepfield_app.scenes.section import Band, band, section
 from stepfield_app.scenes.thinned import coarse_grid, stride_for
 from stepfield_app.views.line import ProfileLine
-from stepfield_app.views.pictures import Histogram, MapPicture, Section
+from stepfield_app.views.pictures import MapPicture, Section
 
 Colours = NDArray[np.uint8]
-#: Side of a thumbnail in pixels: twice its size on the panel, for screens of 200 %.
-THUMBNAIL = 96
-#: Compartments of a map, or of all thumbnails, while a hand moves.
+#: Compartments of a map while a hand moves.
 QUICK_PIXELS = 120_000
 
 
@@ -41,23 +37,6 @@ class MapWish:
     mode: str
     colours: Colours
     quick: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class PanelWish:
-    """What the layers panel and the histogram need of an answer; quick thumbnails may miss single pillars."""
-
-    answer: Answer
-    colours: Colours
-    quick: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class PanelPictures:
-    """Small pictures of all layers by number, and where the points lie in height."""
-
-    thumbnails: Mapping[int, NDArray[np.uint8]]
-    histogram: Histogram
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +59,7 @@ def map_picture(wish: MapWish, progress: Progress) -> MapPicture:
     return MapPicture(
         layer=wish.layer,
         name=_name(result, wish.layer),
-        colour=_hex(wish.colours[wish.layer]),
+        colour=hexed(wish.colours[wish.layer]),
         pixels=drawn.pixels,
         west=grid.west,
         south=grid.south,
@@ -88,24 +67,6 @@ def map_picture(wish: MapWish, progress: Progress) -> MapPicture:
         north=grid.south + grid.rows * grid.cell_size,
         cell_size=grid.cell_size,
         legend=drawn.legend,
-    )
-
-
-def panel_pictures(wish: PanelWish, progress: Progress) -> PanelPictures:
-    """Draw every layer small and count points by elevation."""
-    result = wish.answer.result
-    elevations = of_layers(result)
-    levels = tuple(
-        (layer.name, _hex(wish.colours[layer.index]), float(elevations.averages[layer.index]))
-        for layer in result.layers
-    )
-    counts = np.rint(elevations.counts).astype(np.int64)
-    colours = tuple(_hex(colour) for colour in wish.colours)
-    numbers = [*(layer.index for layer in result.layers), UNASSIGNED]
-    stride = stride_for(len(result.field.compartments.grid), QUICK_PIXELS) if wish.quick else 1
-    return PanelPictures(
-        thumbnails(result, numbers, THUMBNAIL, stride),
-        Histogram(elevations.edges, counts, colours, levels),
     )
 
 
@@ -156,6 +117,7 @@ def _name(result: Reconstruction, layer: int) -> str:
     return "Unassigned" if layer == UNASSIGNED else result.layers[layer].name
 
 
-def _hex(colour: NDArray[np.uint8]) -> str:
+def hexed(colour: NDArray[np.uint8]) -> str:
+    """Write a colour as it is written in a style sheet."""
     red, green, blue = (int(part) for part in colour)
     return f"#{red:02x}{green:02x}{blue:02x}"

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepfield.pillars import StepField
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.scenes.arrays import frozen, robust_range, sample
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 #: Points that stand for all of them: beyond it, counts are estimates.
 SAMPLE = 250_000
@@ -48,19 +50,61 @@ class Elevations:
         return total
 
 
-def of_layers(result: Reconstruction, bins: int = BINS) -> Elevations:
-    """Count the points of each layer, from the points sorted by compartment."""
-    field, layering = result.field, result.layering
-    cells = field.compartments
-    part = sample(len(cells.ticks), SAMPLE)
-    distance = cells.ticks[part] * np.float64(cells.tick)
-    edges = _edges(distance, bins)
-    pillar = np.searchsorted(field.start, np.arange(0, len(cells.ticks), part.step), side="right") - 1
-    layer = layering.layer[pillar]
-    layer = np.where(layer < 0, layering.count, layer)
-    counts = _counted(distance, layer, layering.count + 1, edges) * (len(cells.ticks) / len(distance))
-    averages = np.array([_average(layer.elevation) for layer in result.layers]) + cells.lowest
-    return Elevations(frozen(edges + cells.lowest), frozen(counts), frozen(averages), exact=part.step == 1)
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Some of a step-field's points: their bins, and the pillars they belong to, whatever layer those are in.
+
+    Attributes
+    ----------
+    field : StepField
+    edges : ndarray of shape (bins + 1,), float64
+        Metres above the lowest point.
+    column : ndarray of shape (n,), int64
+        Points beyond the edges are in the bins at the ends.
+    pillar : ndarray of shape (n,), int64
+    each : float
+        How many points one of them stands for.
+    """
+
+    field: StepField
+    edges: Floats
+    column: Integers
+    pillar: Integers
+    each: float
+
+    @classmethod
+    def of(cls, field: StepField, bins: int = BINS) -> Sample:
+        """Draw a sample."""
+        cells = field.compartments
+        part = sample(len(cells.ticks), SAMPLE)
+        distance = cells.ticks[part] * np.float64(cells.tick)
+        edges = _edges(distance, bins)
+        pillar = np.searchsorted(field.start, np.arange(0, len(cells.ticks), part.step), side="right") - 1
+        place = (distance - edges[0]) * (bins / (edges[-1] - edges[0]))
+        column = np.clip(place, 0, bins - 1).astype(np.int64)
+        return cls(field, edges, column, pillar, len(cells.ticks) / len(distance))
+
+
+def of_layers(result: Reconstruction, bins: int = BINS, known: Sample | None = None) -> Elevations:
+    """Count the points of each layer, from the points sorted by compartment.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    bins : int
+    known : Sample, optional
+        Of the step-field, drawn for an earlier result: edits move no points.
+    """
+    some = known or Sample.of(result.field, bins)
+    layering, lowest = result.layering, result.field.compartments.lowest
+    rows, bins = layering.count + 1, len(some.edges) - 1
+    row = layering.layer[some.pillar] % rows  # Unassigned comes last
+    counted = np.bincount(row * bins + some.column, minlength=rows * bins)
+    counts = counted.reshape(rows, bins) * np.float64(some.each)
+    averages = np.array([_average(layer.elevation) for layer in result.layers]) + lowest
+    return Elevations(
+        frozen(some.edges + lowest), frozen(counts), frozen(averages), exact=bool(some.each == 1)
+    )
 
 
 def _average(elevation: Floats) -> float:
@@ -73,11 +117,3 @@ def _edges(distance: Floats, bins: int) -> Floats:
     margin = MARGIN * (high - low)
     first, last = max(float(distance.min()), low - margin), min(float(distance.max()), high + margin)
     return np.linspace(first, last if last > first else first + 1e-3, bins + 1)
-
-
-def _counted(distance: Floats, row: NDArray[np.int64], rows: int, edges: Floats) -> Floats:
-    """Count by row and bin; points beyond the edges count in the bins at the ends."""
-    bins = len(edges) - 1
-    place = (distance - edges[0]) * (bins / (edges[-1] - edges[0]))
-    column = np.clip(place, 0, bins - 1).astype(np.int64)
-    return np.bincount(row * bins + column, minlength=rows * bins).reshape(rows, bins).astype(np.float64)
