@@ -177,6 +177,8 @@ class Pipeline:
             alpha = suggest.alpha(_metres(cell), scan.made.z.span())
         step = tolerance if parameters.link_step == "auto" else parameters.link_step
         picked = {"cell_size": cell, "layer_tolerance": tolerance, "alpha": alpha, "link_step": step}
+        if parameters.complex_residual == "auto":
+            picked["complex_residual"] = suggest.complex_residual(_metres(cell))
         return parameters.model_copy(update=picked | {"unit": scan.made.unit})
 
     def _step_field(self, scan: Stage[Scan], parameters: Parameters, progress: Progress) -> Stage[StepField]:

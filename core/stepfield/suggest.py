@@ -56,6 +56,11 @@ def alpha(cell: float, elevation_range: float) -> float:
     return max(cell / 2, elevation_range / 100)
 
 
+def complex_residual(cell: float) -> float:
+    """Distance of a compartment's points from its surface beyond which a mesh serves better, metres."""
+    return cell / 4
+
+
 def rounded(value: float) -> float:
     """Nearest of 1, 2, 3 or 5 times a power of ten, by ratio."""
     power = 10.0 ** math.floor(math.log10(value))

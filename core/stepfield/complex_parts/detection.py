@@ -1,0 +1,95 @@
+"""Which pillars are complex: the height-maps are too far from their points, and not by a speck."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.layers import UNASSIGNED
+from stepfield.reconstruction import Reconstruction
+
+Flags = NDArray[np.bool_]
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+#: A mesh needs so many points in a compartment to follow anything there.
+FEWEST_POINTS = 4
+#: A complex pillar with fewer complex ones around it is a speck.
+FEWEST_AROUND = 2
+
+
+def detect(result: Reconstruction, residual: Floats) -> Flags:
+    """Find the complex pillars.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    residual : ndarray of shape (P,)
+        Root mean square distances of the pillars' points to their surface, metres.
+
+    Returns
+    -------
+    ndarray of shape (P,), bool
+    """
+    field = result.field
+    with np.errstate(invalid="ignore"):  # NaN in no layer
+        far = residual > float(result.parameters.complex_residual)
+    far &= (field.points >= FEWEST_POINTS) & (result.layering.layer != UNASSIGNED)
+    around = touching(result, np.flatnonzero(far))
+    number = np.bincount(around[far[around[:, 1]], 0], minlength=len(far))
+    return far & (number >= FEWEST_AROUND)
+
+
+def dilated(result: Reconstruction, chosen: Flags) -> Flags:
+    """Add the assigned pillars that touch chosen ones: the overlap of one compartment."""
+    near = chosen.copy()
+    near[touching(result, np.flatnonzero(chosen))[:, 1]] = True
+    return near & (result.layering.layer != UNASSIGNED)
+
+
+def touching(result: Reconstruction, chosen: Integers) -> Integers:
+    """Pairs of a chosen pillar and one that touches it.
+
+    Two pillars touch in neighbouring compartments, corner to corner included, where the gap between their
+    spans is no wider than the tolerance.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    chosen : ndarray of shape (n,)
+
+    Returns
+    -------
+    ndarray of shape (m, 2), int64
+    """
+    field, tolerance = result.field, float(result.parameters.layer_tolerance)
+    low, high, pairs = field.low, field.high, [np.zeros((0, 2), np.int64)]
+    for one, other in _side_by_side(result, chosen):
+        gap = np.maximum(low[one] - high[other], low[other] - high[one])
+        touch = gap <= tolerance
+        pairs.append(np.column_stack([one[touch], other[touch]]))
+    return np.concatenate(pairs)
+
+
+def _side_by_side(result: Reconstruction, chosen: Integers) -> list[tuple[Integers, Integers]]:
+    """Pairs of a chosen pillar and one of each neighbouring compartment, direction by direction."""
+    field, grid = result.field, result.field.compartments.grid
+    occupied = field.compartments.occupied
+    row, column = grid.row_column(field.compartment[chosen])
+    found = []
+    for south, east in ((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j):
+        inside = (row + south >= 0) & (row + south < grid.rows)
+        inside &= (column + east >= 0) & (column + east < grid.columns)
+        one = chosen[inside]
+        wanted = field.compartment[one] + south * grid.columns + east
+        place = np.minimum(np.searchsorted(occupied, wanted), len(occupied) - 1)
+        there = occupied[place] == wanted
+        found.append(_all_of(field.first, one[there], place[there]))
+    return found
+
+
+def _all_of(first: Integers, one: Integers, place: Integers) -> tuple[Integers, Integers]:
+    """Pair each pillar with all the pillars of the occupied compartment at its place."""
+    number = first[place + 1] - first[place]
+    start = np.repeat(first[place] - np.cumsum(number) + number, number)
+    return np.repeat(one, number), start + np.arange(len(start))
