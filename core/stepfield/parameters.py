@@ -61,7 +61,9 @@ class Parameters(Frozen):
     pad: Literal["pow2", "none"] = Field("pow2", description="pad images to powers of two")
     range: Literal["shared", "layer"] = Field("shared", description="whose greatest height is white")
     complex_parts: Literal["off", "mesh"] = Field("off", description="mesh what height-maps cannot hold (7)")
-    complex_residual: Length | Auto = Field("auto", description="distance from the scan that makes it complex")
+    complex_residual: Length | Auto = Field(
+        "auto", description="distance from the scan that makes it complex"
+    )
     unit: Unit | Auto = Field("auto", description="unit of the scan's coordinates")
     up: Up = Field("z", description="the scan's axis that points up")
     crop: Box | None = Field(None, description="keep only x0, y0, z0, x1, y1, z1")

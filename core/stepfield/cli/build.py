@@ -74,6 +74,10 @@ def _sentences(manifest: Manifest) -> list[str]:
         f"alpha {parameters.alpha:g} m, greatest height {manifest.max_height:.4g} m",
         f"{counted(manifest.seams, 'seam')} in {counted(manifest.links, 'link')}",
     ]
+    if (mesh := manifest.complex) is not None:
+        lines.append(
+            f"{mesh.mesh}: {counted(mesh.triangles, 'triangle')} stand in for {counted(mesh.pillars, 'pillar')}"
+        )
     lines += [
         f"  {layer.image}  {layer.name}: {counted(layer.pillars, 'pillar')}, "
         f"mean height {layer.height_mean or 0:.3g} m"

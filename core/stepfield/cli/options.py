@@ -38,6 +38,14 @@ OPTIONS: dict[str, Any] = {
     "bits": _option("--bits", "8|16", "Bits of a pixel. (default: 16)"),
     "pad": _option("--pad", "pow2|none", "Pad images to powers of two. (default: pow2)"),
     "range": _option("--range", "shared|layer", "Whose greatest height is white. (default: shared)"),
+    "complex_parts": _option(
+        "--complex", "off|mesh", "Mesh the parts that height-maps cannot hold. (default: off)"
+    ),
+    "complex_residual": _option(
+        "--complex-residual",
+        "M|auto",
+        "Distance from the scan that makes it complex. (default: cell / 4)",
+    ),
     "unit": _option(
         "--unit", "auto|m|cm|mm|ft|us-ft", "Unit of the scan. (default: what the file says, or m)"
     ),

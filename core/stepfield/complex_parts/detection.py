@@ -32,9 +32,8 @@ def detect(result: Reconstruction, residual: Floats) -> Flags:
     ndarray of shape (P,), bool
     """
     field = result.field
-    with np.errstate(invalid="ignore"):  # NaN in no layer
-        far = residual > float(result.parameters.complex_residual)
-    far &= (field.points >= FEWEST_POINTS) & (result.layering.layer != UNASSIGNED)
+    far: Flags = np.nan_to_num(residual) > float(result.parameters.complex_residual)
+    far &= field.points >= FEWEST_POINTS
     around = touching(result, np.flatnonzero(far))
     number = np.bincount(around[far[around[:, 1]], 0], minlength=len(far))
     return far & (number >= FEWEST_AROUND)
@@ -44,7 +43,8 @@ def dilated(result: Reconstruction, chosen: Flags) -> Flags:
     """Add the assigned pillars that touch chosen ones: the overlap of one compartment."""
     near = chosen.copy()
     near[touching(result, np.flatnonzero(chosen))[:, 1]] = True
-    return near & (result.layering.layer != UNASSIGNED)
+    near &= result.layering.layer != UNASSIGNED
+    return near
 
 
 def touching(result: Reconstruction, chosen: Integers) -> Integers:

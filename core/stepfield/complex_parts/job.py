@@ -41,7 +41,8 @@ class Job:
     @classmethod
     def load(cls, folder: Path) -> Job:
         """Read a job."""
-        return cls(float(np.load(folder / "spacing.npy")), *_arrays(folder, "points", "samples"))
+        spacing = float(np.load(folder / "spacing.npy"))
+        return cls(spacing, np.load(folder / "points.npy"), np.load(folder / "samples.npy"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +61,5 @@ class Done:
     @classmethod
     def load(cls, folder: Path) -> Done:
         """Read what became of a job."""
-        vertices, triangles, distances = _arrays(folder, "vertices", "triangles", "distances")
-        return cls(Mesh(vertices, triangles), distances)
-
-
-def _arrays(folder: Path, *names: str) -> list[NDArray[np.float64]]:
-    return [np.load(folder / f"{name}.npy") for name in names]
+        mesh = Mesh(np.load(folder / "vertices.npy"), np.load(folder / "triangles.npy"))
+        return cls(mesh, np.load(folder / "distances.npy"))

@@ -31,7 +31,9 @@ def mesh_apart(job: Job, progress: Progress = silent) -> Done:
         try:
             return Done.load(folder)
         except OSError:
-            raise StepfieldError(f"the complex parts cannot be meshed: {_last_line(folder / 'log')}") from None
+            raise StepfieldError(
+                f"the complex parts cannot be meshed: {_last_line(folder / 'log')}"
+            ) from None
 
 
 def _started(folder: Path, log: int) -> subprocess.Popen[str]:

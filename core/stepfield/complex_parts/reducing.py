@@ -44,11 +44,11 @@ def distances(points: Floats, mesh: Mesh) -> Floats:
     middle = mesh.vertices.mean(axis=0)
     scene = o3d.t.geometry.RaycastingScene()
     scene.add_triangles(
-        o3d.core.Tensor((mesh.vertices - middle).astype(np.float32)),
-        o3d.core.Tensor(mesh.triangles.astype(np.uint32)),
+        o3d.core.Tensor.from_numpy((mesh.vertices - middle).astype(np.float32)),
+        o3d.core.Tensor.from_numpy(mesh.triangles.astype(np.uint32)),
     )
     found = np.empty(len(points))
     for start in range(0, len(points), CHUNK):
         part = (points[start : start + CHUNK] - middle).astype(np.float32)
-        found[start : start + CHUNK] = scene.compute_distance(o3d.core.Tensor(part)).numpy()
+        found[start : start + CHUNK] = scene.compute_distance(o3d.core.Tensor.from_numpy(part)).numpy()
     return found

@@ -23,7 +23,7 @@ def residuals(result: Reconstruction, progress: Progress = silent) -> Floats:
     Returns
     -------
     ndarray of shape (P,), float64
-        Metres; NaN for pillars in no layer.
+        Metres; NaN for pillars in no layer, and for obstacles: they are solid and have no surface.
     """
     planes, total = _planes(result), np.zeros(len(result.field))
     for owned in owned_points(result.scan, result.field, progress):
@@ -36,9 +36,10 @@ def _planes(result: Reconstruction) -> Floats:
     """Elevations of the surface over each pillar: four corners and the middle, shape (P, 5); NaN for none."""
     field = result.field
     grid, step = field.compartments.grid, float(result.parameters.link_step)
-    layers = [(field.compartment[layer.pillars], layer.elevation) for layer in result.layers]
+    surfaces = [layer for layer in result.layers if not layer.is_obstacles]
+    layers = [(field.compartment[layer.pillars], layer.elevation) for layer in surfaces]
     planes = np.full((len(field), 5), np.nan)
-    for layer, sheet in zip(result.layers, sheets(grid, layers, step), strict=True):
+    for layer, sheet in zip(surfaces, sheets(grid, layers, step), strict=True):
         planes[layer.pillars] = np.column_stack([sheet.corner, sheet.top])
     return planes
 

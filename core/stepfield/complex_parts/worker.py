@@ -1,4 +1,4 @@
-"""The meshing process: ``python -m stepfield.complex_parts.worker FOLDER``; says its progress line by line."""
+"""The meshing process: ``python -m stepfield.complex_parts.worker FOLDER``; prints its progress."""
 
 from __future__ import annotations
 

@@ -12,6 +12,7 @@ from stepfield.errors import StackError
 from stepfield.fidelity import Fidelity, vertical
 from stepfield.progress import Progress, part, silent
 from stepfield.scan import open_scan
+from stepfield.stack.complexfile import FILE_NAME as COMPLEX
 from stepfield.stack.manifest import LayerEntry
 from stepfield.stack.read import Stack
 
@@ -70,12 +71,30 @@ def _faults(stack: Stack, progress: Progress) -> Iterator[str]:
         return
     if [layer.index for layer in manifest.layers] != list(range(len(manifest.layers))):
         yield "manifest.json: the layers are not numbered 0, 1, 2, ..."
+    yield from _complex_faults(stack)
     for layer in manifest.layers:
         progress(layer.index / max(1, len(manifest.layers)), f"checking {layer.name}")
         try:
             yield from _layer_faults(stack, layer)
         except StackError as error:
             yield str(error)
+
+
+def _complex_faults(stack: Stack) -> Iterator[str]:
+    """Say whether the mesh that stands in for pillars is there, whole, and where the scan is."""
+    try:
+        mesh = stack.complex_mesh()
+    except StackError as error:
+        yield str(error)
+        return
+    if mesh is None or not len(mesh.vertices):
+        return
+    grid, cell = stack.grid, stack.grid.cell_size
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    corner = np.array([grid.west, grid.south])
+    beyond = corner + cell * np.array([grid.columns, grid.rows])
+    if (low[:2] < corner - cell).any() or (high[:2] > beyond + cell).any():
+        yield f"{COMPLEX}: reaches beyond the grid"
 
 
 def _layer_faults(stack: Stack, layer: LayerEntry) -> Iterator[str]:
@@ -133,6 +152,6 @@ def _against(stack: Stack, files: Sequence[Path], progress: Progress) -> tuple[F
     faults = []
     if [d for _, d in digests] != [d for _, d in said]:
         faults.append("the scan is not the one the stack was made from (its SHA-256 differs)")
-    if fidelity.outside and not manifest.unassigned and not faults:
+    if fidelity.outside and not manifest.unassigned and manifest.complex is None and not faults:
         faults.append(f"{fidelity.outside} points of the scan lie where the stack has no pillar")
     return fidelity, faults

@@ -10,11 +10,13 @@ import numpy as np
 from pydantic import AfterValidator, Field
 
 import stepfield
+from stepfield.complex_parts import ComplexParts
 from stepfield.document import Document
 from stepfield.errors import StackError, StepfieldError
 from stepfield.layers import UNASSIGNED
 from stepfield.parameters import Frozen, Parameters, Unit, Up
 from stepfield.reconstruction import Layer, Reconstruction
+from stepfield.stack.complexfile import FILE_NAME as COMPLEX
 
 VERSION: Literal[1] = 1
 FILE_NAME = "manifest.json"
@@ -89,6 +91,18 @@ class LayerEntry(Frozen):
     bottom: FileName | None = None
 
 
+class ComplexEntry(Frozen):
+    """The mesh of what height-maps cannot hold; they have holes where it stands in for ``pillars``.
+
+    A binary PLY in scan coordinates, metres, float64.
+    """
+
+    mesh: FileName
+    vertices: Natural
+    triangles: Natural
+    pillars: Natural
+
+
 class Manifest(Document):
     """The whole of manifest.json; every length in metres, elevations in the scan's coordinates."""
 
@@ -114,6 +128,7 @@ class Manifest(Document):
     rounds: Natural
     converged: bool
     warnings: tuple[str, ...]
+    complex: ComplexEntry | None = None
 
     @classmethod
     def of(cls, folder: Path) -> Manifest:
@@ -140,8 +155,18 @@ def bottom_name(index: int) -> str:
     return f"layer_{index:02d}_bottom.png"
 
 
-def describe(result: Reconstruction, lifted: int) -> Manifest:
-    """Make the manifest of a reconstruction; ``lifted`` pixels were too low for the bit depth."""
+def describe(result: Reconstruction, lifted: int, complex_parts: ComplexParts | None = None) -> Manifest:
+    """Make the manifest of a reconstruction.
+
+    Parameters
+    ----------
+    result : Reconstruction
+        With its holes where a mesh stands in.
+    lifted : int
+        Pixels that were too low for the bit depth.
+    complex_parts : ComplexParts, optional
+        What is meshed.
+    """
     grid, frame, scan = result.field.compartments.grid, result.frame, result.scan
     files = tuple(SourceEntry(name=f.name, sha256=f.sha256, points=f.points) for f in scan.files)
     return Manifest(
@@ -168,6 +193,14 @@ def describe(result: Reconstruction, lifted: int) -> Manifest:
         rounds=result.automatic.rounds,
         converged=result.automatic.converged,
         warnings=warnings(result, lifted),
+        complex=None if complex_parts is None else _complex(complex_parts),
+    )
+
+
+def _complex(parts: ComplexParts) -> ComplexEntry:
+    mesh = parts.mesh
+    return ComplexEntry(
+        mesh=COMPLEX, vertices=len(mesh.vertices), triangles=len(mesh.triangles), pillars=parts.count
     )
 
 

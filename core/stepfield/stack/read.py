@@ -11,7 +11,9 @@ from PIL import Image, UnidentifiedImageError
 
 from stepfield.errors import StackError
 from stepfield.grid import Grid
+from stepfield.stack.complexfile import load_complex
 from stepfield.stack.manifest import LayerEntry, Manifest
+from stepfield.surface import Mesh
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,13 @@ class Stack:
         column, row = self.manifest.image.offset
         inside = np.s_[row : row + self.manifest.grid.rows, column : column + self.manifest.grid.columns]
         return np.where(self.mask(layer)[inside], layer.offset + layer.scale * gray[inside], np.nan)
+
+    def complex_mesh(self) -> Mesh | None:
+        """Return the mesh of the complex parts in scan coordinates, metres; None if nothing was meshed."""
+        entry = self.manifest.complex
+        if entry is None:
+            return None
+        return load_complex(self.folder / entry.mesh, entry.vertices, entry.triangles)
 
     def _pixels(self, name: str) -> NDArray[np.uint8] | NDArray[np.uint16]:
         """Read an image, checking its size before it is decoded so that none is absurd."""

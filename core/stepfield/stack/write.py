@@ -10,8 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stepfield.progress import Progress, silent
+from stepfield.complex_parts import build_complex_parts, without
+from stepfield.progress import Progress, part, silent
 from stepfield.reconstruction import Layer, Reconstruction
+from stepfield.stack.complexfile import FILE_NAME as COMPLEX
+from stepfield.stack.complexfile import save_complex
 from stepfield.stack.folder import new_folder
 from stepfield.stack.manifest import FILE_NAME, Manifest, bottom_name, describe, image_name, mask_name
 
@@ -32,6 +35,7 @@ def write_stack(
     Parameters
     ----------
     result : Reconstruction
+        Where its parameters ask for it, complex parts become a mesh and holes in the height-maps.
     folder : Path
         Missing or empty, or with ``overwrite`` a stack to replace.
     overwrite : bool
@@ -49,8 +53,12 @@ def write_stack(
     StackError
         In one sentence; the folder is then as it was.
     """
-    lifted = 0
+    lifted, complex_parts = 0, None
     with new_folder(folder, is_stack if overwrite else None) as new:
+        if result.parameters.complex_parts == "mesh":
+            complex_parts = build_complex_parts(result, part(progress, 0, 0.8))
+            result, progress = without(result, complex_parts), part(progress, 0.8, 1)
+            save_complex(new / COMPLEX, complex_parts.mesh)
         # Two images at once is all: a hundred layers of a large grid would not fit side by side.
         with ThreadPoolExecutor(2) as pool:
             for layer, raised in zip(
@@ -58,7 +66,7 @@ def write_stack(
             ):
                 progress(layer.index / len(result.layers), f"writing {layer.name}")
                 lifted += raised
-        manifest = describe(result, lifted)
+        manifest = describe(result, lifted, complex_parts)
         (new / FILE_NAME).write_text(manifest.text(), encoding="utf-8")
         if also is not None:
             also(new)
