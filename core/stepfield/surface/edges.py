@@ -44,21 +44,37 @@ def as_edges(grid: Grid, layers: Sequence[tuple[Integers, Floats]], link_step: f
 
 def mesh_of(sheet: Sheet) -> Mesh:
     """Return a sheet as triangles: the compartments in order, then the risers."""
-    pillars = len(sheet.compartment)
+    corners, number = corners_of(sheet)
+    fans = fans_of(sheet, number, np.arange(len(sheet.compartment)))
+    return Mesh(
+        np.concatenate([corners, middles_of(sheet)]), np.concatenate([fans, risers_of(sheet, number)])
+    )
+
+
+def corners_of(sheet: Sheet) -> tuple[Floats, Integers]:
+    """Return the places of a sheet's corners, shape (V, 3), metres, and their numbers, shape (n, 4)."""
     number, first = _numbered(sheet.vertex)
     x, y = sheet.grid.lines(sheet.compartment)
     pillar, corner = np.divmod(first, 4)
-    corners = np.column_stack(
+    return np.column_stack(
         [x[pillar, _EAST[corner]], y[pillar, _NORTH[corner]], sheet.corner.ravel()[first]]
-    )
-    middles = np.column_stack([x.mean(axis=1), y.mean(axis=1), sheet.top])
-    middle = np.arange(len(first), len(first) + pillars)
-    fans = [np.column_stack([middle, number[:, i], number[:, (i + 1) % 4]]) for i in range(4)]
-    covering = np.stack(fans, axis=1).reshape(-1, 3)
-    return Mesh(np.concatenate([corners, middles]), np.concatenate([covering, risers(sheet, number)]))
+    ), number
 
 
-def risers(sheet: Sheet, number: Integers) -> Integers:
+def middles_of(sheet: Sheet) -> Floats:
+    """Return the places of the middles of a sheet's compartments, shape (n, 3), metres."""
+    x, y = sheet.grid.lines(sheet.compartment)
+    return np.column_stack([x.mean(axis=1), y.mean(axis=1), sheet.top])
+
+
+def fans_of(sheet: Sheet, number: Integers, pillars: Integers) -> Integers:
+    """Return four triangles each around the middles of some pillars, which are numbered after the corners."""
+    middle = number.max(initial=-1) + 1 + pillars
+    fans = [np.column_stack([middle, number[pillars, i], number[pillars, (i + 1) % 4]]) for i in range(4)]
+    return np.stack(fans, axis=1).reshape(-1, 3)
+
+
+def risers_of(sheet: Sheet, number: Integers) -> Integers:
     """Close the steps of a sheet by vertical triangles between its vertices of the given numbers.
 
     Counter-clockwise seen from the lower side; a step that ends in a shared corner is one triangle.

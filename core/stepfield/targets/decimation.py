@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float32]
+Floats = NDArray[np.floating[Any]]
 Flags = NDArray[np.bool_]
 Integers = NDArray[np.int64]
 
@@ -42,25 +42,72 @@ def triangles(elevations: Floats, tolerance: float) -> Integers:
     heights = _padded(elevations)
     there = ~np.isnan(heights)
     whole = there[:-1, :-1] & there[:-1, 1:] & there[1:, :-1] & there[1:, 1:]
-    errors = _errors(heights, whole)
-    corners = _refined(errors, whole, tolerance)
-    row, column = np.divmod(corners, heights.shape[1])
-    numbers: Integers = row * elevations.shape[1] + column
+    errors = _errors(heights, whole, _twist(heights, whole))
+    kept, rest = _refined(errors, whole, tolerance)
+    corners = np.concatenate([kept, _smallest(rest, whole, heights.shape[1])])
+    return _numbers(corners, heights.shape[1], elevations.shape[1])
+
+
+def covering(heights: Floats, errors: Floats, tolerance: float) -> tuple[Integers, Flags]:
+    """Triangulate squares that have a fan around their middle, within a tolerance of it.
+
+    Parameters
+    ----------
+    heights : ndarray of shape (rows + 1, columns + 1)
+        Of the corners; NaN where no square is.
+    errors : ndarray of shape (rows, columns)
+        How far the middle of each square is from the middle of the diagonal that :func:`diagonals` gives,
+        infinite for one that is to keep its fan; NaN is a hole.
+    tolerance : float
+        Greatest vertical distance, metres.
+
+    Returns
+    -------
+    ndarray of shape (T, 3), int64
+        Numbers of corners (row * (columns + 1) + column), counter-clockwise seen from above.
+    ndarray of shape (rows, columns), bool
+        The squares that keep their fan; no triangle covers those.
+    """
+    padded = _padded(heights)
+    inner = _widened(errors, (padded.shape[0] - 1, padded.shape[1] - 1))
+    whole = ~np.isnan(inner)
+    inner[~whole] = 0
+    kept, rest = _refined(_errors(padded, whole, inner), whole, tolerance)
+    quad = _quad(rest, padded.shape[1])
+    halves = rest[whole.ravel()[quad] & (inner.ravel()[quad] <= tolerance)]
+    corners = np.concatenate([kept, _turned(halves, padded.shape[1])])
+    is_fan = np.zeros(whole.size, bool)
+    is_fan[quad[whole.ravel()[quad] & (inner.ravel()[quad] > tolerance)]] = True
+    fans = is_fan.reshape(whole.shape)[: errors.shape[0], : errors.shape[1]]
+    return _numbers(corners, padded.shape[1], heights.shape[1]), fans
+
+
+def _numbers(corners: Integers, width: int, columns: int) -> Integers:
+    """Number the corners of triangles in a raster of so many columns instead of the padded one's width."""
+    row, column = np.divmod(corners, width)
+    numbers: Integers = row * columns + column
     return numbers
 
 
 def _padded(elevations: Floats) -> Floats:
     """Widen a raster with holes until the squares cover it."""
     rows, columns = (max(1, -(-(side - 1) // SIDE)) * SIDE + 1 for side in elevations.shape)
-    padded = np.full((rows, columns), np.nan, np.float32)
-    padded[: elevations.shape[0], : elevations.shape[1]] = elevations
-    return padded
+    return _widened(elevations, (rows, columns))
 
 
-def _errors(heights: Floats, whole: Flags) -> Floats:
-    """Return the error of the triangles at every sample that is the middle of a longest side."""
+def _widened(raster: Floats, shape: tuple[int, int]) -> Floats:
+    widened = np.full(shape, np.nan, raster.dtype)
+    widened[: raster.shape[0], : raster.shape[1]] = raster
+    return widened
+
+
+def _errors(heights: Floats, whole: Flags, inner: Floats) -> Floats:
+    """Return the error of the triangles at every sample that is the middle of a longest side.
+
+    ``inner`` has those of the smallest squares, shape (rows - 1, columns - 1).
+    """
     errors = np.zeros_like(heights)
-    inner, low, high = _twist(heights, whole), whole, whole
+    low, high = whole, whole
     for size in (2**power for power in range(1, SIDE.bit_length())):
         half = size // 2
         beside = _at_sides(heights, size, inner, low, high)
@@ -76,10 +123,10 @@ def _errors(heights: Floats, whole: Flags) -> Floats:
 def _twist(heights: Floats, whole: Flags) -> Floats:
     """Return how far apart the two ways to cut a quad are, where the hierarchy cuts it the other way."""
     corners = heights[:-1, :-1] + heights[1:, 1:] - heights[:-1, 1:] - heights[1:, :-1]
-    return np.where(whole & ~_falls(whole.shape), np.abs(corners) / 2, np.float32(0))
+    return np.where(whole & ~diagonals(whole.shape), np.abs(corners) / 2, np.float32(0))
 
 
-def _falls(shape: tuple[int, ...]) -> Flags:
+def diagonals(shape: tuple[int, ...]) -> Flags:
     """Tell the squares that the hierarchy cuts from north-west to south-east from those cut the other way."""
     row, column = np.ogrid[: shape[0], : shape[1]]
     falls: Flags = (row + column) % 2 == 0
@@ -100,7 +147,7 @@ def _bend_at_centres(heights: Floats, size: int) -> Floats:
     """Return how far the squares' centres are from the middles of the diagonals that cut them."""
     corner = heights[::size, ::size]
     falling, rising = corner[:-1, :-1] + corner[1:, 1:], corner[:-1, 1:] + corner[1:, :-1]
-    cut = np.where(_falls(falling.shape), falling, rising)
+    cut = np.where(diagonals(falling.shape), falling, rising)
     return np.abs(heights[size // 2 :: size, size // 2 :: size] - cut / 2)
 
 
@@ -117,8 +164,12 @@ def _in_fours(squares: NDArray[Any]) -> Any:
     return squares.reshape(rows // 2, 2, columns // 2, 2)
 
 
-def _refined(errors: Floats, whole: Flags, tolerance: float) -> Integers:
-    """Halve triangles until all are within the tolerance; return their corners in the padded raster."""
+def _refined(errors: Floats, whole: Flags, tolerance: float) -> tuple[Integers, Integers]:
+    """Halve triangles until all are within the tolerance, or half of a smallest square.
+
+    Return the corners in the padded raster: of those that are within it and not over a hole, ready, and
+    of the halves of smallest squares.
+    """
     width, flat = errors.shape[1], errors.ravel()
     todo, done = _roots(whole.shape, width), []
     for _ in range(2 * (SIDE.bit_length() - 1)):
@@ -130,7 +181,7 @@ def _refined(errors: Floats, whole: Flags, tolerance: float) -> Integers:
         todo = np.concatenate([np.column_stack([c, a, m]), np.column_stack([b, c, m])])
     kept = np.concatenate(done)
     kept = kept[whole.ravel()[_quad(kept, width)]]
-    return np.concatenate([_turned(kept, width), _smallest(todo, whole, width)])
+    return _turned(kept, width), todo
 
 
 def _roots(shape: tuple[int, ...], width: int) -> Integers:
