@@ -12,6 +12,7 @@ from stepfield.validation import explain
 Unit = Literal["m", "cm", "mm", "ft", "us-ft"]
 Up = Literal["x", "y", "z", "-x", "-y", "-z"]
 Auto = Literal["auto"]
+Way = Literal["edges", "simulator"]
 
 #: Metres in one unit; the US survey foot is 1200/3937 m by definition.
 METRES: dict[Unit, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "us-ft": 1200 / 3937}
@@ -57,6 +58,7 @@ class Parameters(Frozen):
     min_points: Count = Field(1, description="fewer points than this make no exported pillar")
     max_layers: Count | Literal["auto", "none"] = Field("auto", description="layers at most")
     link_step: Length | Auto = Field("auto", description="height step that still joins two neighbours")
+    reconstruction: Way = Field("edges", description="surface that layers become triangles by (6)")
     bits: Literal[8, 16] = Field(16, description="bits of a pixel (5.2, Eq. 2 is 8)")
     pad: Literal["pow2", "none"] = Field("pow2", description="pad images to powers of two")
     range: Literal["shared", "layer"] = Field("shared", description="whose greatest height is white")

@@ -36,6 +36,15 @@ Decimate = Annotated[
     float | None,
     typer.Option("--decimate", metavar="M", help="Error of the decimated meshes.", show_default=False),
 ]
+Reconstructed = Annotated[
+    str | None,
+    typer.Option(
+        "--reconstruction",
+        metavar="edges|simulator",
+        help="Surface of the meshes. (default: as built)",
+        show_default=False,
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", metavar="", help="Print one JSON object.")]
 Debug = Annotated[bool, typer.Option("--debug", metavar="", help="Show the traceback of a failure.")]
 
@@ -97,6 +106,7 @@ def export(
     target: Targets = None,
     thicken: Thicken = None,
     decimate: Decimate = None,
+    reconstruction: Reconstructed = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", metavar="", help="Replace older folders of targets.")
     ] = False,
@@ -107,7 +117,7 @@ def export(
     from stepfield.cli.export import export_targets
     from stepfield.cli.targets import Wanted
 
-    wanted = Wanted.checked(target or [], thicken, decimate)
+    wanted = Wanted.checked(target or [], thicken, decimate, reconstruction)
     export_targets(source, output, wanted, overwrite=overwrite, reporter=Reporter(as_json))
 
 

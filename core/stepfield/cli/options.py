@@ -35,6 +35,9 @@ OPTIONS: dict[str, Any] = {
     "link_step": _option(
         "--link-step", "M|auto", "Step that still joins neighbours. (default: the tolerance)"
     ),
+    "reconstruction": _option(
+        "--reconstruction", "edges|simulator", "Surface of the targets' meshes. (default: edges)"
+    ),
     "bits": _option("--bits", "8|16", "Bits of a pixel. (default: 16)"),
     "pad": _option("--pad", "pow2|none", "Pad images to powers of two. (default: pow2)"),
     "range": _option("--range", "shared|layer", "Whose greatest height is white. (default: shared)"),

@@ -8,7 +8,7 @@ from typing import Any, Self
 
 from stepfield.cli.report import counted
 from stepfield.targets.target import Options, Written
-from stepfield.targets.writing import checked, lengths
+from stepfield.targets.writing import checked, wishes
 
 
 @dataclass(frozen=True)
@@ -19,9 +19,15 @@ class Wanted:
     options: Options
 
     @classmethod
-    def checked(cls, names: Sequence[str], thicken: float | None, decimate: float | None) -> Self:
+    def checked(
+        cls,
+        names: Sequence[str],
+        thicken: float | None,
+        decimate: float | None,
+        reconstruction: str | None = None,
+    ) -> Self:
         """Check what was given, before anything long begins; raise ParameterError in one sentence."""
-        return cls(checked(names), lengths(thicken, decimate))
+        return cls(checked(names), wishes(thicken, decimate, reconstruction))
 
 
 def described(targets: Mapping[str, Written]) -> dict[str, Any]:

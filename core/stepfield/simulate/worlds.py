@@ -53,7 +53,7 @@ class World:
 def of_stack(name: str, terrain: Terrain, start: Place) -> World:
     """Make a world of a stack's layers, as ``export --target mujoco`` writes them."""
     low = [float(np.nanmin(layer.elevations)) for layer in terrain.layers if layer.occupied.any()]
-    if not any(layer.has_body and not layer.is_obstacles for layer in terrain.layers):
+    if not any(terrain.has_body(layer) and not layer.is_obstacles for layer in terrain.layers):
         raise SimulationError(
             f"{name}: the stack has no surface to drive on; build it with a larger cell size"
         )

@@ -35,7 +35,8 @@ def covered(sheet: Sheet, tolerance: float) -> Mesh:
     heights = np.full(len(numbers), np.nan)
     heights[lattice] = sheet.corner
     shape = (sheet.grid.rows, sheet.grid.columns)
-    errors = _errors(sheet, shape, parted[lattice].any(axis=1))
+    at_step: Flags = np.logical_or.reduce(parted[lattice], axis=1)
+    errors = _errors(sheet, shape, at_step)
     coarse, fans = covering(heights.reshape(shape[0] + 1, shape[1] + 1), errors, tolerance)
     kept = np.flatnonzero(fans.ravel()[sheet.compartment])
     triangles = [numbers[coarse], fans_of(sheet, number, kept), risers_of(sheet, number)]

@@ -82,7 +82,7 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
     """Write the models and the worlds that include them."""
     models, files = [], []
     for layer in terrain.layers:
-        if layer.has_body:
+        if terrain.has_body(layer):
             made = _mesh_model(terrain, layer)
             files += _write_model(terrain, folder, made)
             _save_mesh(folder / MODELS / made.name / _mesh_name(layer), terrain, layer, options)
@@ -98,7 +98,7 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
 def limits(terrain: Terrain) -> list[str]:
     """Say what becomes of layers without a surface, and where a height-map goes on beyond the scan."""
     found = without_surface(terrain)
-    square = Square.around(terrain.layers[0]) if terrain.layers else None
+    square = _square(terrain)
     if square is not None and (terrain.rows, terrain.columns) != square.elevations.shape:
         east, south = square.side - terrain.columns, square.side - terrain.rows
         found.append(
@@ -109,9 +109,16 @@ def limits(terrain: Terrain) -> list[str]:
     return found
 
 
+def _square(terrain: Terrain) -> Square | None:
+    """Return the lowest layer's height-map; by nature it is what a simulator draws, and cut at the sides."""
+    if terrain.reconstruction == "edges" or not terrain.layers:
+        return None
+    return Square.around(terrain.layers[0])
+
+
 def _write_worlds(terrain: Terrain, folder: Path, meshes: Sequence[Model]) -> list[str]:
     """Write the world, and if it has a height-map, another one of meshes alone."""
-    square = Square.around(terrain.layers[0]) if terrain.layers else None
+    square = _square(terrain)
     if square is None:
         write_text(folder / WORLD, world(_word(terrain), meshes))
         return [WORLD]
@@ -185,7 +192,7 @@ def _steps(terrain: Terrain, options: Options, names: Sequence[str]) -> str:
         "Layers of obstacles are closed boxes from where each wall or column begins to its top.",
         "The world tells DART to find contacts with bullet: with its default, things fall through terrain.",
     ]
-    square = Square.around(terrain.layers[0]) if terrain.layers else None
+    square = _square(terrain)
     return "\n".join([*lines, *([] if square is None else _about_heightmap(terrain, square))])
 
 

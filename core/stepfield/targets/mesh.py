@@ -34,7 +34,7 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
             sizes.append(len(sheet.triangles))
         counts.append(f"{layer.label}  {sizes[0]} triangles, decimated {sizes[1]}")
     notes = limits(terrain)
-    text = readme(terrain, "Meshes", _steps(bound, options, counts), notes)
+    text = readme(terrain, "Meshes", _steps(terrain, bound, options, counts), notes)
     write_text(folder / "README.txt", text)
     return Written((*files, "README.txt"), tuple(notes))
 
@@ -71,7 +71,7 @@ def _save(folder: Path, stem: str, terrain: Terrain, layer: TerrainLayer, mesh: 
         yield f"{stem}{suffix}"
 
 
-def _steps(bound: float, options: Options, counts: list[str]) -> str:
+def _steps(terrain: Terrain, bound: float, options: Options, counts: list[str]) -> str:
     kind = (
         "Open sheets, seen from both sides in GLB; --thicken M closes them."
         if options.thicken is None
@@ -81,8 +81,7 @@ def _steps(bound: float, options: Options, counts: list[str]) -> str:
         [
             "layer_NN.glb (y up, as glTF wants it: x east, y up, z south; Blender, Unity, Godot, Isaac Sim)",
             "layer_NN.obj, .stl, .ply (z up)",
-            "The formats hold the same surface: a vertex in the middle of every compartment, two triangles",
-            "wherever four neighbouring compartments have a pillar; holes are missing triangles.",
+            *_about_surface(terrain),
             "Layers of obstacles are closed boxes from where each wall or column begins to its top.",
             kind,
             "Tell a physics engine that it is a triangle mesh: a convex hull would fill the holes.",
@@ -93,3 +92,16 @@ def _steps(bound: float, options: Options, counts: list[str]) -> str:
             *counts,
         ]
     )
+
+
+def _about_surface(terrain: Terrain) -> list[str]:
+    if terrain.reconstruction == "edges":
+        return [
+            "The formats hold the same surface: exactly the compartments of the pillars, four triangles each",
+            "around the pillar's top, their corners the average of the neighbours that continue each other;",
+            "steps within a layer are closed by upright triangles, holes are missing ones.",
+        ]
+    return [
+        "The formats hold the same surface: a vertex in the middle of every compartment, two triangles",
+        "wherever four neighbouring compartments have a pillar; holes are missing triangles.",
+    ]

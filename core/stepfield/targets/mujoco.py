@@ -15,6 +15,7 @@ import numpy as np
 
 from stepfield.errors import TargetError
 from stepfield.targets.boxes import Box, boxes
+from stepfield.targets.squares import squares
 from stepfield.targets.target import Options, Written
 from stepfield.targets.terrain import Raster, Terrain, TerrainLayer
 from stepfield.targets.text import as_word, in_xml, number, numbers, readme, write_text
@@ -62,10 +63,11 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
 
 def limits(terrain: Terrain) -> list[str]:
     """Say which layers have no surface, and that what MuJoCo has is solid."""
+    why = "there is no pillar" if terrain.reconstruction == "edges" else "nowhere do four samples meet"
     said = [
-        f"{layer.name}: nowhere do four samples meet, so the layer has no surface and is left out"
+        f"{layer.name}: {why}, so the layer has no surface and is left out"
         for layer in terrain.layers
-        if not layer.has_body
+        if not terrain.has_body(layer)
     ]
     if sum(not layer.is_obstacles for layer in terrain.layers) > 1:
         said.append(
@@ -101,13 +103,13 @@ def _pieces(terrain: Terrain, layer: TerrainLayer, folder: Path) -> list[_Piece]
     if layer.is_obstacles:
         return [_solid(layer, number, box) for number, box in enumerate(boxes(terrain, layer))]
     made: list[_Piece] = []
-    for tile in tiles(terrain, layer):
+    for tile, samples in _tiles(terrain, layer):
         if len(made) == MOST_TILES:
             raise TargetError(
                 f"mujoco: {layer.name} has so many holes that it takes more than {MOST_TILES:,} "
                 f"height-fields; build the stack with a larger cell size"
             )
-        made.append(_piece(terrain, layer, tile, f"{layer.label}_{len(made):05d}", folder))
+        made.append(_piece(terrain, layer, tile, samples, f"{layer.label}_{len(made):05d}", folder))
     return made
 
 
@@ -117,8 +119,16 @@ def _solid(layer: TerrainLayer, count: int, box: Box) -> _Piece:
     return _Piece(None, geometry)
 
 
-def _piece(terrain: Terrain, layer: TerrainLayer, tile: Tile, name: str, folder: Path) -> _Piece:
-    samples = tile.samples(layer.elevations)
+def _tiles(terrain: Terrain, layer: TerrainLayer) -> Iterator[tuple[Tile, Raster]]:
+    """Cut a layer into tiles, and give the heights of each."""
+    if terrain.reconstruction == "edges":
+        return squares(terrain, layer.index)
+    return ((tile, tile.samples(layer.elevations)) for tile in tiles(terrain, layer))
+
+
+def _piece(
+    terrain: Terrain, layer: TerrainLayer, tile: Tile, samples: Raster, name: str, folder: Path
+) -> _Piece:
     low, high = float(samples.min()), float(samples.max())
     relative = (samples.astype(np.float64) - low).astype(np.float32)
     file = f"{name}.hf" if samples.size > INLINE else None
@@ -156,8 +166,10 @@ def _size(terrain: Terrain, tile: Tile, relief: float) -> str:
 
 
 def _middle(terrain: Terrain, tile: Tile) -> str:
-    x = terrain.west + (tile.column + tile.columns / 2) * terrain.cell_size
-    y = terrain.north - (tile.row + tile.rows / 2) * terrain.cell_size
+    # A tile lies between samples, or between the sides of compartments, which are half of one off.
+    shift = 0.5 if terrain.reconstruction == "edges" else 0
+    x = terrain.west + (tile.column + tile.columns / 2 - shift) * terrain.cell_size
+    y = terrain.north - (tile.row + tile.rows / 2 - shift) * terrain.cell_size
     return f"{_exact(x)} {_exact(y)}"
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from stepfield.parameters import Way
 from stepfield.targets.terrain import Terrain
 
 
@@ -19,10 +20,13 @@ class Options:
         Thickness in metres that closes the sheets of the meshes, downwards; None leaves them open.
     decimate : float or None
         Greatest vertical error of the decimated meshes in metres; None takes a quarter of a compartment.
+    reconstruction : str or None
+        Which surface the meshes have, whatever the stack was built with; None takes that.
     """
 
     thicken: float | None = None
     decimate: float | None = None
+    reconstruction: Way | None = None
 
 
 #: What is written unless an operator asks for more.
@@ -45,12 +49,13 @@ class Written:
     notes: tuple[str, ...] = ()
 
 
-def without_surface(terrain: Terrain) -> list[str]:
-    """Say which layers have nothing to drive on."""
+def without_surface(terrain: Terrain, *, vertices: bool = False) -> list[str]:
+    """Say which layers have nothing to drive on; with ``vertices`` where a sample can be but a vertex."""
     return [
-        f"{layer.label} has no surface: nowhere do four neighbouring compartments have a pillar"
+        f"{layer.label} has no surface: "
+        + ("nowhere do four neighbouring compartments have a pillar" if layer.occupied.any() else "no pillar")
         for layer in terrain.layers
-        if not layer.has_body
+        if not (layer.quads.any() if vertices else terrain.has_body(layer))
     ]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,12 @@ from numpy.typing import NDArray
 
 from stepfield.errors import StackError
 from stepfield.grid import Grid
+from stepfield.parameters import Way
 from stepfield.stack import Manifest, Stack
 from stepfield.stack.manifest import LayerEntry
-from stepfield.surface import Mesh, as_simulator
+from stepfield.surface import Mesh, Sheet, as_simulator, sheets
+from stepfield.surface.edges import mesh_of
+from stepfield.targets.covering import covered
 from stepfield.targets.decimation import triangles
 
 Raster = NDArray[np.float32]
@@ -52,11 +56,6 @@ class TerrainLayer:
         return self.bottoms is not None
 
     @property
-    def has_body(self) -> bool:
-        """Whether there is anything of the layer to run into."""
-        return bool(self.occupied.any() if self.is_obstacles else self.quads.any())
-
-    @property
     def label(self) -> str:
         """What the layer's files are called, without a suffix."""
         return f"layer_{self.index:02d}"
@@ -65,6 +64,13 @@ class TerrainLayer:
     def occupied(self) -> NDArray[np.bool_]:
         """Where there is a pillar, shape (rows, columns)."""
         return ~np.isnan(self.elevations)
+
+    @property
+    def pillars(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Compartments of the pillars, ascending, and their elevations in metres."""
+        flat = self.elevations.ravel()
+        compartment = np.flatnonzero(~np.isnan(flat))
+        return compartment, flat[compartment].astype(np.float64)
 
     @property
     def quads(self) -> NDArray[np.bool_]:
@@ -103,6 +109,9 @@ class Terrain:
     unit, unit_factor
         Of the source, and the metres in one.
     manifest : Manifest
+    reconstruction : str
+        ``edges``: surfaces cover exactly the compartments of their pillars; ``simulator``: a vertex a
+        sample, a quad where four neighbours are there.
     """
 
     name: str
@@ -118,10 +127,11 @@ class Terrain:
     unit: str
     unit_factor: float
     manifest: Manifest = field(repr=False)
+    reconstruction: Way = "simulator"
 
     @classmethod
-    def of_stack(cls, folder: Path) -> Terrain:
-        """Decode the stack in ``folder``.
+    def of_stack(cls, folder: Path, reconstruction: Way | None = None) -> Terrain:
+        """Decode the stack in ``folder``, to be reconstructed as it was built unless told otherwise.
 
         Raises
         ------
@@ -147,6 +157,7 @@ class Terrain:
             unit=manifest.source.unit,
             unit_factor=manifest.source.unit_factor,
             manifest=manifest,
+            reconstruction=reconstruction or manifest.parameters.reconstruction,
         )
 
     @property
@@ -165,18 +176,40 @@ class Terrain:
         half = self.cell_size / 2
         return Grid(self.west - half, self.south - half, self.cell_size, self.columns, self.rows)
 
-    def surface(self, layer: TerrainLayer, error_bound: float | None = None) -> Mesh:
-        """Return a layer as triangles: a vertex a sample, a quad where all four are there (paper 6).
+    @cached_property
+    def sheets(self) -> list[Sheet]:
+        """The layers' surfaces over exactly the compartments of their pillars; local, metres."""
+        none = (np.zeros(0, np.int64), np.zeros(0))
+        layers = [none if layer.is_obstacles else layer.pillars for layer in self.layers]
+        return sheets(self.grid, layers, self.link_step)
 
-        Vertices are local, shared by neighbours, and none is without a triangle; a layer without four
-        neighbours makes an empty mesh. The diagonal of a quad runs from north-west to south-east. With an
-        error bound in metres, fewer triangles that stay within it above and below; holes and edges stay.
+    @property
+    def link_step(self) -> float:
+        """Greatest difference in elevation of two neighbours that continue each other, metres."""
+        parameters = self.manifest.parameters
+        step = parameters.layer_tolerance if parameters.link_step == "auto" else parameters.link_step
+        return math.inf if step == "auto" else float(step)
+
+    def has_body(self, layer: TerrainLayer) -> bool:
+        """Whether there is anything of a layer to run into."""
+        is_covered = layer.is_obstacles or self.reconstruction == "edges"
+        return bool((layer.occupied if is_covered else layer.quads).any())
+
+    def surface(self, layer: TerrainLayer, error_bound: float | None = None) -> Mesh:
+        """Return a layer as triangles, as the terrain's reconstruction makes them (paper 6).
+
+        Vertices are local, shared by neighbours, and none is without a triangle; a layer without surface
+        makes an empty mesh. With an error bound in metres, fewer triangles that stay within it above and
+        below; holes, rims and steps stay. What is ``simulator`` has quads that are cut from north-west to
+        south-east.
         """
+        if self.reconstruction == "edges":
+            sheet = self.sheets[layer.index]
+            return mesh_of(sheet) if error_bound is None else covered(sheet, error_bound)
         flat = layer.elevations.ravel()
         if error_bound is not None:
             return self._mesh(flat, triangles(layer.elevations, error_bound))
-        compartment = np.flatnonzero(~np.isnan(flat))
-        return as_simulator(self.grid, compartment, flat[compartment].astype(np.float64))
+        return as_simulator(self.grid, *layer.pillars)
 
     def _mesh(self, elevations: Raster, corners: NDArray[np.int64]) -> Mesh:
         """Make a mesh of triangles between samples, given by number, with the vertices that they use."""

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stepfield.targets.terrain import Raster, Terrain, TerrainLayer
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 #: Quads along a side: what is near a place stays near in memory, and looking for the end of one stays cheap.
 LONGEST = 256
@@ -53,34 +54,54 @@ class Tile:
 
 
 def tiles(terrain: Terrain, layer: TerrainLayer) -> Iterator[Tile]:
-    """Cover every whole quad of a layer once, greedily: from the north-west, first east, then south."""
-    free = layer.quads
-    if not free.size:
-        return
+    """Cover every whole quad of a layer once."""
+    whole = layer.quads
+    if not whole.size:
+        return iter(())
     beneath = _over_quads(_gaps(terrain, layer), np.minimum)
     low = _over_quads(layer.elevations.astype(np.float64), np.minimum)
-    bounds = _Bounds(low, low - SHARE * beneath, np.minimum(SLAB, SLAB_SHARE * beneath))
-    southward = _whole_southward(free)
+    bounds = Bounds(low, low - SHARE * beneath, np.minimum(SLAB, SLAB_SHARE * beneath))
+    return rectangles(whole, bounds)
+
+
+def rectangles(
+    whole: Flags, bounds: Bounds, east: Flags | None = None, south: Flags | None = None
+) -> Iterator[Tile]:
+    """Cover squares once, greedily: from the north-west, first east, then south.
+
+    Parameters
+    ----------
+    whole : ndarray of shape (rows, columns), bool
+        The squares to cover.
+    bounds : Bounds
+    east, south : ndarray of shape (rows, columns), bool
+        Whether a square may be in one rectangle with that to its east, and to its south; all may by default.
+    """
+    free = whole.copy()
+    east = whole if east is None else east
+    southward = _Southward(
+        _run_southward(whole, whole if south is None else south), _run_southward(east, east)
+    )
     for row in range(len(free)):
         column = _next(free[row], 0)
         while column < free.shape[1]:
-            tile = _tile(row, column, free, southward, bounds)
+            tile = _tile(row, column, free, east, southward, bounds)
             free[row : row + tile.rows, column : column + tile.columns] = False
             yield tile
             column = _next(free[row], column)
 
 
 @dataclass(frozen=True, eq=False)
-class _Bounds:
-    """Of every quad: its lowest corner, how low its underside may be, and its slab; metres."""
+class Bounds:
+    """Of every square: its lowest corner, how low its underside may be, and its slab; metres."""
 
     low: Floats
     floor: Floats
     slab: Floats
 
-    def along(self, quads: tuple[slice, slice], axis: int) -> _Bounds:
+    def along(self, quads: tuple[slice, slice], axis: int) -> Bounds:
         """Reduce a block to one quad a row (axis 1) or a column (axis 0)."""
-        return _Bounds(self.low[quads].min(axis), self.floor[quads].max(axis), self.slab[quads].min(axis))
+        return Bounds(self.low[quads].min(axis), self.floor[quads].max(axis), self.slab[quads].min(axis))
 
     def fitting(self) -> int:
         """Count the first quads that one tile holds with its underside above the floor of all."""
@@ -89,15 +110,29 @@ class _Bounds:
         return len(fits) if fits.all() else max(1, int(np.argmin(fits)))
 
 
-def _tile(
-    row: int, column: int, free: NDArray[np.bool_], southward: NDArray[np.int32], bounds: _Bounds
-) -> Tile:
-    """Grow a tile from its north-west quad: whatever is free in a row is so as far south as it is whole."""
-    gone = np.flatnonzero(~free[row, column : column + LONGEST])
-    width = int(gone[0]) if len(gone) else min(LONGEST, free.shape[1] - column)
-    east = np.s_[row : row + 1, column : column + width]
-    columns = bounds.along(east, 0).fitting()
-    depth = min(LONGEST, int(southward[row, column : column + columns].min()))
+@dataclass(frozen=True, eq=False)
+class _Southward:
+    """How many squares from each to the south hang together, and how many with those to their east."""
+
+    own: NDArray[np.int32]
+    with_east: NDArray[np.int32]
+
+    def depth(self, row: int, column: int, columns: int) -> int:
+        """Count the rows that a rectangle may have."""
+        own = self.own[row, column : column + columns]
+        return int(
+            np.minimum(own.min(), self.with_east[row, column : column + columns - 1].min(initial=LONGEST))
+        )
+
+
+def _tile(row: int, column: int, free: Flags, east: Flags, southward: _Southward, bounds: Bounds) -> Tile:
+    """Grow a tile from its north-west square: whatever is free in a row is so as far south as it is whole."""
+    ahead = free[row, column + 1 : column + LONGEST]
+    ahead = ahead & east[row, column : column + len(ahead)]
+    gone = np.flatnonzero(~ahead)
+    width = 1 + (int(gone[0]) if len(gone) else len(ahead))
+    columns = bounds.along(np.s_[row : row + 1, column : column + width], 0).fitting()
+    depth = min(LONGEST, southward.depth(row, column, columns))
     rows = bounds.along(np.s_[row : row + depth, column : column + columns], 1).fitting()
     block = np.s_[row : row + rows, column : column + columns]
     return Tile(row, column, rows, columns, float(bounds.slab[block].min()))
@@ -110,12 +145,12 @@ def _next(free: NDArray[np.bool_], start: int) -> int:
     return start + first if len(rest) and rest[first] else len(free)
 
 
-def _whole_southward(whole: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Count the whole quads from every quad to the south, itself included."""
+def _run_southward(whole: Flags, joined: Flags) -> NDArray[np.int32]:
+    """Count the whole squares from each to the south, itself included, that are joined to each other."""
     count = np.zeros(whole.shape, np.int32)
     below = np.zeros(whole.shape[1], np.int32)
     for row in range(len(whole) - 1, -1, -1):
-        below = np.where(whole[row], below + 1, 0).astype(np.int32)
+        below = np.where(whole[row], np.where(joined[row], below, 0) + 1, 0).astype(np.int32)
         count[row] = below
     return count
 

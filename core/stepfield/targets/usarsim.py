@@ -113,7 +113,7 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
 
 def limits(terrain: Terrain) -> list[str]:
     """Say what TerrainInfo makes of several layers and of large ones."""
-    found = without_surface(terrain)
+    found = without_surface(terrain, vertices=True)
     if len(terrain.layers) > 1:
         found.append(
             "terrains above each other in one zone have not been tried in UnrealEd: should an upper one "

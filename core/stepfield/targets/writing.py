@@ -8,10 +8,11 @@ import math
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 from stepfield.errors import ParameterError
 from stepfield.files import read_json
+from stepfield.parameters import Way
 from stepfield.progress import Progress, part, silent
 from stepfield.reconstruction import Reconstruction
 from stepfield.stack import Manifest, write_stack
@@ -71,7 +72,7 @@ def write_targets(
     """
     wanted = checked(names)
     progress(0.0, "reading the stack")
-    terrain = Terrain.of_stack(stack)
+    terrain = Terrain.of_stack(stack, options.reconstruction)
     with ExitStack() as whole:
         folders = [
             whole.enter_context(new_folder(output / name, is_target if overwrite else None, "a target"))
@@ -105,7 +106,8 @@ def write_stack_and_targets(
         folders = {name: new / name for name in wanted}
         for each in folders.values():
             each.mkdir()
-        written.update(_fill(Terrain.of_stack(new), folders, options, part(progress, share, 1)))
+        terrain = Terrain.of_stack(new, options.reconstruction)
+        written.update(_fill(terrain, folders, options, part(progress, share, 1)))
 
     share = 0.3 if wanted else 1.0
     manifest = write_stack(
@@ -159,6 +161,7 @@ def _document(terrain: Terrain, name: str, written: Written) -> str:
         "west": terrain.west,
         "north": terrain.north,
         "base_elevation": terrain.base_elevation,
+        "reconstruction": terrain.reconstruction,
         "layers": [_entry(layer) for layer in terrain.layers],
         "files": sorted(written.files),
         "notes": written.notes,
@@ -178,9 +181,13 @@ def _entry(layer: TerrainLayer) -> dict[str, Any]:
     }
 
 
-def lengths(thicken: float | None, decimate: float | None) -> Options:
-    """Make the options, or raise ParameterError where a length is none."""
+def wishes(thicken: float | None, decimate: float | None, reconstruction: str | None) -> Options:
+    """Make the options, or raise ParameterError where one is none."""
     for name, value in (("thicken", thicken), ("decimate", decimate)):
         if value is not None and not (math.isfinite(value) and 0 < value <= 1000):
             raise ParameterError(f"impossible {name} {value!r}; give a length in metres above 0, up to 1000")
-    return Options(thicken, decimate)
+    if reconstruction not in {None, *get_args(Way)}:
+        raise ParameterError(
+            f"unknown reconstruction {reconstruction!r}; choose among {', '.join(get_args(Way))}"
+        )
+    return Options(thicken, decimate, cast(Way | None, reconstruction))

@@ -41,7 +41,7 @@ def find_stack(
             write(scan, synthesise(name, 200_000).points, {})
         else:
             scan = real_scan("data__room_scan1.pcd")
-        parameters = Parameters(**SCENES.get(name, {"cell_size": 0.1}))
+        parameters = Parameters(**SCENES.get(name, {"cell_size": 0.1}), reconstruction="simulator")
         write_stack(Pipeline().run([scan], parameters), folder / name)
         return folder / name
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from stepfield.heightmap import GrayScale
-from stepfield.parameters import Parameters
+from stepfield.parameters import Parameters, Way
 from stepfield.stack.manifest import (
     GridEntry,
     ImageEntry,
@@ -49,6 +49,7 @@ def stack_of(
     unit_factor: float = 1.0,
     up: str = "z",
     bits: int = 16,
+    reconstruction: Way = "simulator",
 ) -> Path:
     """Write a stack of layers: elevations in metres, shape (rows, columns), row 0 north, NaN a hole."""
     folder.mkdir(parents=True)
@@ -70,7 +71,9 @@ def stack_of(
     manifest = Manifest(
         generator="stepfield 0.0.0",
         source=Source.model_validate(source),
-        parameters=Parameters(cell_size=cell, alpha=0.5, layer_tolerance=0.5, link_step=0.5),
+        parameters=Parameters(
+            cell_size=cell, alpha=0.5, layer_tolerance=0.5, link_step=0.5, reconstruction=reconstruction
+        ),
         grid=GridEntry(origin=(west, south), cell_size=cell, columns=columns, rows=rows),
         base_elevation=base,
         max_height=height,

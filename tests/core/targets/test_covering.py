@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -27,14 +25,14 @@ def sheet_of(raster: NDArray[np.float32]) -> Sheet:
     return sheet
 
 
-def rim(mesh: Mesh) -> Counter[tuple[tuple[float, ...], ...]]:
-    """Lengths in the plan and in height of the edges that one triangle only has."""
+def rim(mesh: Mesh) -> float:
+    """Length in the plan of the edges that one triangle only has."""
     edges = mesh.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     there = {tuple(edge) for edge in edges.tolist()}
     assert len(there) == len(edges), "two triangles use an edge in the same direction"
     alone = np.array([edge for edge in there if edge[::-1] not in there], np.int64).reshape(-1, 2)
     reach = np.abs(np.diff(mesh.vertices[alone], axis=1)[:, 0])
-    return Counter({"plan": round(float(reach[:, :2].sum()), 6)})
+    return float(reach[:, :2].sum())
 
 
 @pytest.mark.parametrize("raster", RASTERS)
@@ -56,18 +54,20 @@ def test_it_stays_within_the_tolerance_and_covers_the_same(
 def test_no_crack_opens(raster: NDArray[np.float32]) -> None:
     """Were there one, it would add to the length of the rim."""
     sheet = sheet_of(raster)
-    assert rim(covered(sheet, 0.03)) == rim(mesh_of(sheet))
+    assert rim(covered(sheet, 0.03)) == pytest.approx(rim(mesh_of(sheet)))
 
 
 @given(st.integers(1, 9), st.integers(1, 9), st.data())
 @settings(max_examples=100, deadline=None)
-def test_any_layer_keeps_its_ground_its_rim_and_its_risers(rows: int, columns: int, data: st.DataObject) -> None:
+def test_any_layer_keeps_its_ground_its_rim_and_its_risers(
+    rows: int, columns: int, data: st.DataObject
+) -> None:
     tops = st.lists(st.sampled_from([np.nan, 0.0, 0.125, 0.25, 1.0]), min_size=rows * columns)
     raster = np.array(data.draw(tops)[: rows * columns], np.float32).reshape(rows, columns)
     sheet = sheet_of(raster)
     fewer = covered(sheet, 0.1)
     assert fewer.plan_area == pytest.approx(np.isfinite(raster).sum())
-    assert rim(fewer) == rim(mesh_of(sheet))
+    assert rim(fewer) == pytest.approx(rim(mesh_of(sheet)))
     np.testing.assert_array_equal(np.unique(fewer.triangles), np.arange(len(fewer.vertices)))
 
 

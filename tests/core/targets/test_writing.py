@@ -12,7 +12,7 @@ from stepfield.errors import Cancelled, ParameterError, StackError, TargetError
 from stepfield.targets import NAMES, WHAT, usarsim
 from stepfield.targets.target import Options, Written
 from stepfield.targets.terrain import Terrain
-from stepfield.targets.writing import checked, lengths, limits, write_targets
+from stepfield.targets.writing import checked, limits, wishes, write_targets
 
 OURS = ("mesh", "geotiff", "gazebo", "usarsim")
 
@@ -99,9 +99,9 @@ def test_names_are_checked_and_come_once() -> None:
 @pytest.mark.parametrize("length", [0.0, -1.0, float("nan"), float("inf"), 1e9])
 def test_lengths_have_to_be_some(length: float) -> None:
     with pytest.raises(ParameterError, match="impossible thicken"):
-        lengths(length, None)
+        wishes(length, None, None)
     with pytest.raises(ParameterError, match="impossible decimate"):
-        lengths(None, length)
+        wishes(None, length, None)
 
 
 def test_a_stack_that_is_none_is_one_sentence(tmp_path: Path) -> None:
