@@ -66,6 +66,7 @@ class Parameters(Frozen):
     complex_residual: Length | Auto = Field(
         "auto", description="distance from the scan that makes it complex"
     )
+    clearance: bool = Field(False, description="also write the room above each layer")
     unit: Unit | Auto = Field("auto", description="unit of the scan's coordinates")
     up: Up = Field("z", description="the scan's axis that points up")
     crop: Box | None = Field(None, description="keep only x0, y0, z0, x1, y1, z1")

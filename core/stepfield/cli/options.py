@@ -49,6 +49,12 @@ OPTIONS: dict[str, Any] = {
         "M|auto",
         "Distance from the scan that makes it complex. (default: cell / 4)",
     ),
+    "clearance": Annotated[
+        bool | None,
+        typer.Option(
+            "--clearance/--no-clearance", help="Also write the room above each layer.", show_default=False
+        ),
+    ],
     "unit": _option(
         "--unit", "auto|m|cm|mm|ft|us-ft", "Unit of the scan. (default: what the file says, or m)"
     ),
@@ -86,8 +92,10 @@ def with_parameters(command: Callable[..., Any]) -> Callable[..., Any]:
     return run
 
 
-def _parsed(name: str, text: str) -> Any:
+def _parsed(name: str, text: str | bool) -> Any:
     """Turn an option's text into what the parameter takes; the values are checked by Parameters."""
+    if isinstance(text, bool):
+        return text
     try:
         if name in _LISTS:
             return tuple(float(item) if name == "crop" else int(item) for item in text.split(","))

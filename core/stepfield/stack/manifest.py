@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -10,6 +11,7 @@ import numpy as np
 from pydantic import AfterValidator, Field
 
 import stepfield
+from stepfield.clearance import ClearanceMap
 from stepfield.complex_parts import ComplexParts
 from stepfield.document import Document
 from stepfield.errors import StackError, StepfieldError
@@ -71,6 +73,21 @@ class ImageEntry(Frozen):
     offset: tuple[Natural, Natural]
 
 
+class ClearanceEntry(Frozen):
+    """The room above a layer: clearance = offset + scale * gray, and less than a level more.
+
+    Gray 0 is where nothing is above, and in holes. ``pillars`` have something above, ``least`` and
+    ``greatest`` metres higher.
+    """
+
+    image: FileName
+    scale: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    offset: Metres = 0.0
+    pillars: Natural
+    least: Metres | None
+    greatest: Metres | None
+
+
 class LayerEntry(Frozen):
     """One layer: elevation = offset + scale * gray, within half a level.
 
@@ -89,6 +106,7 @@ class LayerEntry(Frozen):
     offset: Metres
     kind: Literal["surface", "obstacles"] = "surface"
     bottom: FileName | None = None
+    clearance: ClearanceEntry | None = None
 
 
 class ComplexEntry(Frozen):
@@ -155,7 +173,17 @@ def bottom_name(index: int) -> str:
     return f"layer_{index:02d}_bottom.png"
 
 
-def describe(result: Reconstruction, lifted: int, complex_parts: ComplexParts | None = None) -> Manifest:
+def clearance_name(index: int) -> str:
+    """File name of the image of the room above a layer."""
+    return f"layer_{index:02d}_clearance.png"
+
+
+def describe(
+    result: Reconstruction,
+    lifted: int,
+    complex_parts: ComplexParts | None = None,
+    clearances: Mapping[int, ClearanceEntry] | None = None,
+) -> Manifest:
     """Make the manifest of a reconstruction.
 
     Parameters
@@ -166,6 +194,8 @@ def describe(result: Reconstruction, lifted: int, complex_parts: ComplexParts | 
         Pixels that were too low for the bit depth.
     complex_parts : ComplexParts, optional
         What is meshed.
+    clearances : mapping of int to ClearanceEntry, optional
+        What was written of the room above each layer, by its index.
     """
     grid, frame, scan = result.field.compartments.grid, result.frame, result.scan
     files = tuple(SourceEntry(name=f.name, sha256=f.sha256, points=f.points) for f in scan.files)
@@ -184,7 +214,7 @@ def describe(result: Reconstruction, lifted: int, complex_parts: ComplexParts | 
             bits=result.parameters.bits,
             offset=(frame.column, frame.row),
         ),
-        layers=tuple(_layer(layer, result) for layer in result.layers),
+        layers=tuple(_layer(layer, result, (clearances or {}).get(layer.index)) for layer in result.layers),
         unassigned=result.layering.unassigned,
         moves=len(result.outcomes),
         moves_unresolved=sum(not outcome.resolved for outcome in result.outcomes),
@@ -204,7 +234,18 @@ def _complex(parts: ComplexParts) -> ComplexEntry:
     )
 
 
-def _layer(layer: Layer, result: Reconstruction) -> LayerEntry:
+def clearance_entry(index: int, drawn: ClearanceMap) -> ClearanceEntry:
+    """Say what the image of the room above a layer means."""
+    return ClearanceEntry(
+        image=clearance_name(index),
+        scale=drawn.scale,
+        pillars=int(np.count_nonzero(drawn.gray)),
+        least=drawn.least,
+        greatest=drawn.greatest,
+    )
+
+
+def _layer(layer: Layer, result: Reconstruction, clearance: ClearanceEntry | None) -> LayerEntry:
     heights, scale = layer.heights, result.scale(layer)
     extent: dict[str, Any] = dict.fromkeys(("height_min", "height_max", "height_mean"))
     if len(heights):
@@ -223,6 +264,7 @@ def _layer(layer: Layer, result: Reconstruction) -> LayerEntry:
         offset=result.base_elevation + scale.zero,
         kind="obstacles" if layer.is_obstacles else "surface",
         bottom=bottom_name(layer.index) if layer.is_obstacles else None,
+        clearance=clearance,
         **extent,
     )
 

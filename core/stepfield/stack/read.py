@@ -72,11 +72,39 @@ class Stack:
         gray = self.bottom_gray(layer)
         return None if gray is None else self._elevations(layer, gray)
 
+    def clearance_gray(self, layer: LayerEntry) -> NDArray[np.uint16] | None:
+        """Levels of the room above a layer, padding included, shape (height, width); None if not written."""
+        if layer.clearance is None:
+            return None
+        image = self._pixels(layer.clearance.image)
+        if image.dtype != np.uint16:
+            raise StackError(
+                f"{self.folder / layer.clearance.image}: has not 16 bits a pixel; build the stack again"
+            )
+        return image.astype(np.uint16)
+
+    def clearances(self, layer: LayerEntry) -> NDArray[np.float64] | None:
+        """Room above a layer over the grid, shape (rows, columns), metres; None if it was not written.
+
+        Infinite where nothing is above, NaN in holes.
+        """
+        gray = self.clearance_gray(layer)
+        if gray is None or layer.clearance is None:
+            return None
+        inside = self._inside
+        room = np.where(gray == 0, np.inf, layer.clearance.offset + layer.clearance.scale * gray)[inside]
+        return np.where(self.mask(layer)[inside], room, np.nan)
+
+    @property
+    def _inside(self) -> tuple[slice, slice]:
+        """Where the grid lies in the images."""
+        column, row = self.manifest.image.offset
+        return np.s_[row : row + self.manifest.grid.rows, column : column + self.manifest.grid.columns]
+
     def _elevations(
         self, layer: LayerEntry, gray: NDArray[np.uint8] | NDArray[np.uint16]
     ) -> NDArray[np.float64]:
-        column, row = self.manifest.image.offset
-        inside = np.s_[row : row + self.manifest.grid.rows, column : column + self.manifest.grid.columns]
+        inside = self._inside
         return np.where(self.mask(layer)[inside], layer.offset + layer.scale * gray[inside], np.nan)
 
     def complex_mesh(self) -> Mesh | None:

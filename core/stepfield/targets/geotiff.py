@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stepfield.files import one_line
 from stepfield.targets.target import Options, Written
@@ -20,16 +22,14 @@ TILE = 256
 
 def write(terrain: Terrain, folder: Path, options: Options) -> Written:
     """Write every layer as a raster."""
-    files = []
+    written = []
     for layer in terrain.layers:
-        files.append(f"{layer.label}.tif")
-        (folder / files[-1]).write_bytes(_raster(terrain, layer, layer.elevations))
-        if layer.bottoms is not None:
-            files.append(f"{layer.label}_bottom.tif")
-            (folder / files[-1]).write_bytes(_raster(terrain, layer, layer.bottoms))
+        for name, values, meaning in _rasters(terrain, layer):
+            (folder / name).write_bytes(_raster(terrain, values, meaning))
+            written.append(name)
     notes = limits(terrain)
     write_text(folder / "README.txt", readme(terrain, "GeoTIFF", _steps(terrain), notes))
-    return Written((*files, "README.txt"), tuple(notes))
+    return Written((*written, "README.txt"), tuple(notes))
 
 
 def limits(terrain: Terrain) -> list[str]:
@@ -57,11 +57,22 @@ def _crs(terrain: Terrain) -> Any:
             return None
 
 
-def _raster(terrain: Terrain, layer: TerrainLayer, local: Raster) -> bytes:
-    """Return a file of a layer's elevations; made in memory, as GDAL would complain of a full disk itself."""
+def _rasters(terrain: Terrain, layer: TerrainLayer) -> Iterator[tuple[str, NDArray[np.float64], str]]:
+    """Name, values (the source's unit; not finite for none) and meaning of each raster of a layer."""
+    elevations = layer.elevations.astype(np.float64) + terrain.local_origin[2]
+    yield f"{layer.label}.tif", elevations / terrain.unit_factor, layer.name
+    if layer.bottoms is not None:
+        bottoms = layer.bottoms.astype(np.float64) + terrain.local_origin[2]
+        yield f"{layer.label}_bottom.tif", bottoms / terrain.unit_factor, layer.name
+    if layer.clearance is not None:
+        room = layer.clearance.astype(np.float64) / terrain.unit_factor
+        yield f"{layer.label}_clearance.tif", room, f"room above {layer.name}"
+
+
+def _raster(terrain: Terrain, values: NDArray[np.float64], meaning: str) -> bytes:
+    """Return the file of a raster; made in memory, as GDAL would complain of a full disk by itself."""
     import rasterio
 
-    elevations = (local.astype(np.float64) + terrain.local_origin[2]) / terrain.unit_factor
     west, north, cell = _placement(terrain)
     profile = {
         "driver": "GTiff",
@@ -81,8 +92,8 @@ def _raster(terrain: Terrain, layer: TerrainLayer, local: Raster) -> bytes:
     }
     with rasterio.Env(), rasterio.MemoryFile() as file:
         with file.open(**profile) as raster:
-            raster.write(np.where(layer.occupied, elevations, NODATA).astype(np.float32), 1)
-            raster.set_band_description(1, one_line(layer.name))
+            raster.write(np.where(np.isfinite(values), values, NODATA).astype(np.float32), 1)
+            raster.set_band_description(1, one_line(meaning))
         return bytes(file.getbuffer())
 
 
@@ -105,6 +116,7 @@ def _steps(terrain: Terrain) -> str:
             f"Not local: the west edge is at {west!r}, the north edge at {north!r}.",
             f"A pixel is {cell!r} wide, and its centre is the middle of its compartment.",
             "Layers of obstacles have a second file, layer_NN_bottom.tif: where each wall or column begins.",
+            "layer_NN_clearance.tif, if there: the room up to what is above; nodata where nothing is.",
             f"Holes are nodata, {number(NODATA)}. One file a layer: Gazebo refuses more bands than one.",
         ]
     )

@@ -42,6 +42,8 @@ class TerrainLayer:
         Half a gray level of the layer's image, metres.
     bottoms : ndarray of shape (rows, columns), float32, read-only, or None
         Of a layer of obstacles: where they begin, as ``elevations``.
+    clearance : ndarray of shape (rows, columns), float32, or None
+        Room up to what is above, metres; infinite where nothing is, NaN in holes. None if the stack has none.
     """
 
     index: int
@@ -49,6 +51,7 @@ class TerrainLayer:
     elevations: Raster
     half_level: float
     bottoms: Raster | None = None
+    clearance: Raster | None = None
 
     @property
     def is_obstacles(self) -> bool:
@@ -248,13 +251,14 @@ def _layer(stack: Stack, entry: LayerEntry, origin: float) -> TerrainLayer:
     elevations = stack.elevations(entry)
     if elevations.shape != (grid.rows, grid.columns):
         raise StackError(f"{stack.folder}: the grid does not fit into the images; build the stack again")
-    bottoms = stack.bottoms(entry)
+    bottoms, room = stack.bottoms(entry), stack.clearances(entry)
     return TerrainLayer(
         entry.index,
         entry.name,
         _local(stack, entry, elevations, origin),
         entry.scale / 2,
         None if bottoms is None else _local(stack, entry, bottoms, origin),
+        None if room is None else room.astype(np.float32),
     )
 
 
