@@ -57,7 +57,7 @@ def test_a_scan_becomes_a_stack_that_passes_its_check(table: Path, tmp_path: Pat
     assert checked.returncode == 0, checked.stderr
     report = json.loads(checked.stdout)
     assert report["ok"]
-    assert report["fidelity"]["median"] < 0.01  # the legs, being upright, are not surfaces
+    assert report["fidelity"]["vertical"]["median"] < 0.01  # the legs, being upright, are not surfaces
 
 
 def test_json_is_one_object_and_progress_stays_out_of_pipes(table: Path, tmp_path: Path) -> None:

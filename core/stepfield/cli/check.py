@@ -2,38 +2,85 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from stepfield.cli.report import Reporter, counted
+from stepfield.fidelity import Distances, LayerFigures
 from stepfield.stack.check import Report, check_stack
 
+#: How each way of reconstruction is called in a sentence.
+WAYS = {
+    "edges": "the surface with its edges",
+    "simulator": "what a simulator draws",
+    "pillars": "the pillars",
+}
 
-def check_folder(folder: Path, scan: Sequence[Path], reporter: Reporter) -> int:
+
+def check_folder(folder: Path, scan: Sequence[Path], truth: str | None, reporter: Reporter) -> int:
     """Show what a check finds; return 1 when it finds fault."""
     with reporter.progress() as progress:
-        report = check_stack(folder, scan, progress)
+        report = check_stack(folder, scan, truth, progress)
+    manifest = report.manifest
     values = {
         "ok": not report.faults,
         "faults": list(report.faults),
-        "layers": report.layers,
+        "layers": len(manifest.layers),
         "pillars": report.pillars,
+        "seams": manifest.seams,
+        "links": manifest.links,
+        "reconstruction": report.way,
+        "areas": [
+            {"layer": layer.name} | figures.as_dict()
+            for layer, figures in zip(manifest.layers, report.figures, strict=False)
+        ],
         "fidelity": report.fidelity and report.fidelity.as_dict(),
+        "truth": report.truth and report.truth.as_dict(),
     }
-    reporter.result(values, _sentences(report))
+    reporter.result(values, "\n".join(_sentences(report)))
     return 1 if report.faults else 0
 
 
-def _sentences(report: Report) -> str:
-    lines = [f"fault: {fault}" for fault in report.faults]
+def _sentences(report: Report) -> Iterator[str]:
+    yield from (f"fault: {fault}" for fault in report.faults)
+    manifest = report.manifest
     if not report.faults:
-        lines.append(
-            f"the stack is whole: {counted(report.layers, 'layer')}, {counted(report.pillars, 'pillar')}"
+        yield (
+            f"the stack is whole: {counted(len(manifest.layers), 'layer')}, "
+            f"{counted(report.pillars, 'pillar')}"
         )
+    yield f"{counted(manifest.seams, 'seam')} in {counted(manifest.links, 'link')}"
+    for layer, figures in zip(manifest.layers, report.figures, strict=False):
+        yield f"  {layer.image}  {layer.name}: {_covered(figures)}"
+    surface = WAYS[report.way]
     if (fidelity := report.fidelity) is not None:
-        lines.append(
-            f"points to layers: RMSE {fidelity.rmse:.4g} m, median {fidelity.median:.4g} m, "
-            f"95 % within {fidelity.p95:.4g} m, greatest {fidelity.max:.4g} m; "
-            f"{fidelity.explained:.1%} within the tolerance"
+        yield (
+            f"{counted(fidelity.points, 'point')} against {surface}: {fidelity.explained:.1%} within the "
+            f"tolerance of {fidelity.tolerance:.4g} m above or below, {fidelity.nearest.explained:.1%} "
+            f"within it in any direction"
         )
-    return "\n".join(lines)
+        yield f"  vertical: {_distances(fidelity.vertical, 'points have no surface above or below')}"
+        yield f"  nearest:  {_distances(fidelity.nearest, 'points have no surface near')}"
+    if (truth := report.truth) is not None:
+        yield f"from {surface} to the truth: {_distances(truth.accuracy, 'samples are far from it')}"
+        yield f"from the truth to {surface}: {_distances(truth.completeness, 'samples are far from it')}"
+
+
+def _covered(figures: LayerFigures) -> str:
+    lost = 1 - figures.simulator_area / figures.occupied_area if figures.occupied_area else 0.0
+    vanished = (
+        f", {figures.vanished} of {counted(figures.surfaces, 'surface')} gone" if figures.vanished else ""
+    )
+    holes = counted(figures.holes, "hole") + (f" of {figures.hole_area:.4g} m2" if figures.holes else "")
+    return (
+        f"{figures.occupied_area:.4g} m2 occupied, {figures.simulator_area:.4g} m2 as a simulator draws it "
+        f"({lost:.1%} lost{vanished}), {holes}"
+    )
+
+
+def _distances(distances: Distances, without: str) -> str:
+    missing = f"; {distances.missing} {without}" if distances.missing else ""
+    return (
+        f"RMSE {distances.rmse:.4g} m, median {distances.median:.4g} m, 95 % within {distances.p95:.4g} m, "
+        f"greatest {distances.max:.4g} m{missing}"
+    )

@@ -240,10 +240,19 @@ def check(
         list[Path] | None,
         typer.Option("--scan", metavar="SCAN", help="Compare with its scan.", show_default=False),
     ] = None,
+    truth: Annotated[
+        str | None,
+        typer.Option(
+            "--truth",
+            metavar="MESH|SCENE",
+            help="True surface, to compare with: a mesh, a scene or its JSON.",
+            show_default=False,
+        ),
+    ] = None,
     as_json: AsJson = False,
     debug: Debug = False,
 ) -> int:
     """Check that a stack is whole and true."""
     from stepfield.cli.check import check_folder
 
-    return check_folder(folder, scan or [], Reporter(as_json))
+    return check_folder(folder, scan or [], truth, Reporter(as_json))

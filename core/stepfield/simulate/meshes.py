@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from stepfield.errors import SimulationError
-from stepfield.files import one_line
+from stepfield.fidelity.true_mesh import true_mesh as truth
 from stepfield.scan import Scan
 from stepfield.stack import Stack
 from stepfield.surface import Mesh
-from stepfield.synth import SCENES, synthesise
 from stepfield.targets.terrain import Terrain
 
 Floats = NDArray[np.float64]
 
-SUFFIXES = (".obj", ".ply", ".stl", ".off", ".glb", ".gltf")
 #: Triangles between points further apart than this many compartments close a hole, so are left out.
 REACH = 2.0
 
@@ -35,40 +29,11 @@ def true_mesh(source: str, terrain: Terrain) -> Mesh:
 
     Raises
     ------
-    SimulationError, SceneError
+    SceneError
         In one sentence.
     """
-    path = Path(source)
-    if path.suffix.lower() in SUFFIXES:
-        mesh = _read(path)
-    elif source in SCENES or path.suffix.lower() == ".json":
-        scene = synthesise(source, points=1).true_mesh
-        mesh = Mesh(scene.vertices, scene.triangles.astype(np.int64))
-    else:
-        raise SimulationError(
-            f"{source}: neither a mesh ({', '.join(SUFFIXES)}) nor a scene ({', '.join(SCENES)}); give one"
-        )
+    mesh = truth(source)
     return Mesh(mesh.vertices - terrain.local_origin, mesh.triangles)
-
-
-def _read(path: Path) -> Mesh:
-    if not path.is_file():
-        raise SimulationError(f"{path}: there is no such file; give the path of a mesh")
-    try:
-        import trimesh
-    except ImportError:
-        sentence = "reading meshes needs trimesh; install it with: pip install 'stepfield[simulate]'"
-        raise SimulationError(sentence) from None
-    try:
-        loaded: Any = trimesh.load(path, force="mesh", process=False)
-        vertices, triangles = np.array(loaded.vertices, np.float64), np.array(loaded.faces, np.int64)
-    except Exception as error:  # noqa: BLE001  whatever a damaged file makes of a reader
-        raise SimulationError(f"{path}: cannot be read as a mesh ({one_line(str(error))[:150]})") from None
-    if not len(triangles) or not np.isfinite(vertices).all():
-        raise SimulationError(f"{path}: holds no triangles, or vertices that are nowhere; give another mesh")
-    if path.suffix.lower() in {".glb", ".gltf"}:
-        vertices = vertices[:, [0, 2, 1]] * [1, -1, 1]
-    return Mesh(vertices, triangles)
 
 
 def cloud_mesh(scan: Scan, stack: Stack, terrain: Terrain) -> Mesh:

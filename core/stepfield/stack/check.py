@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from stepfield.errors import StackError
-from stepfield.fidelity import Fidelity, vertical
+from stepfield.fidelity import Fidelity, LayerFigures, TruthFidelity, Way
 from stepfield.progress import Progress, part, silent
-from stepfield.scan import open_scan
+from stepfield.stack.clearances import clearance_faults
+from stepfield.stack.compare import Compared
 from stepfield.stack.complexfile import FILE_NAME as COMPLEX
-from stepfield.stack.manifest import LayerEntry
+from stepfield.stack.manifest import LayerEntry, Manifest
 from stepfield.stack.read import Stack
 
 
@@ -25,19 +26,43 @@ class Report:
     ----------
     faults : tuple of str
         One sentence each; none when the stack is whole and true.
-    layers, pillars : int
+    manifest : Manifest
+    way : str
+        How the layers are reconstructed where they are compared.
+    figures : tuple of LayerFigures
+        What each layer covers; none when the stack is not whole.
     fidelity : Fidelity or None
         When a scan was given.
+    truth : TruthFidelity or None
+        When the truth was given.
     """
 
     faults: tuple[str, ...]
-    layers: int
-    pillars: int
+    manifest: Manifest
+    way: Way = "edges"
+    figures: tuple[LayerFigures, ...] = ()
     fidelity: Fidelity | None = None
+    truth: TruthFidelity | None = None
+
+    @property
+    def pillars(self) -> int:
+        """Exported pillars."""
+        return sum(layer.pillars for layer in self.manifest.layers)
 
 
-def check_stack(folder: Path, scan: Sequence[Path] = (), progress: Progress = silent) -> Report:
-    """Check a stack on disk, against its scan if one is given.
+def check_stack(
+    folder: Path, scan: Sequence[Path] = (), truth: str | None = None, progress: Progress = silent
+) -> Report:
+    """Check a stack on disk, against its scan and the truth where they are given.
+
+    Parameters
+    ----------
+    folder : Path
+    scan : sequence of Path
+        Files of the scan that it was made from.
+    truth : str, optional
+        A scene's name, its description, or a mesh file.
+    progress : Progress
 
     Raises
     ------
@@ -45,18 +70,22 @@ def check_stack(folder: Path, scan: Sequence[Path] = (), progress: Progress = si
         When there is no manifest to check by.
     ScanError
         When the scan cannot be read.
+    SceneError
+        When there is no such truth.
     """
     stack = Stack.open(folder)
-    faults = list(_faults(stack, part(progress, 0, 0.4 if scan else 1)))
-    fidelity = None
-    if scan and not faults:
-        fidelity, more = _against(stack, scan, part(progress, 0.4, 1))
-        faults += more
+    faults = list(_faults(stack, part(progress, 0, 0.4 if scan or truth else 1)))
+    if faults:
+        return Report(tuple(faults), stack.manifest)
+    compared = Compared(stack)
+    report = Report((), stack.manifest, compared.way, compared.figures())
+    if scan:
+        fidelity, more = compared.with_scan(scan, part(progress, 0.4, 0.8 if truth else 1))
+        report = replace(report, faults=tuple(more), fidelity=fidelity)
+    if truth is not None:
+        report = replace(report, truth=compared.with_truth(truth, part(progress, 0.8 if scan else 0.4, 1)))
     progress(1.0, "done")
-    manifest = stack.manifest
-    return Report(
-        tuple(faults), len(manifest.layers), sum(layer.pillars for layer in manifest.layers), fidelity
-    )
+    return report
 
 
 def _faults(stack: Stack, progress: Progress) -> Iterator[str]:
@@ -111,6 +140,7 @@ def _layer_faults(stack: Stack, layer: LayerEntry) -> Iterator[str]:
     if pillars != layer.pillars:
         yield f"{layer.mask}: {pillars} occupied pixels where the manifest says {layer.pillars} pillars"
     yield from _bottom_faults(stack, layer, gray)
+    yield from clearance_faults(stack, layer)
     if pillars:
         yield from _range_faults(stack, layer, layer.offset + layer.scale * gray[mask])
 
@@ -138,20 +168,3 @@ def _range_faults(stack: Stack, layer: LayerEntry, elevation: np.ndarray) -> Ite
     ):
         if said is None or abs(found - said) > 1.5 * layer.scale + 1e-9 * abs(stack.manifest.base_elevation):
             yield f"{layer.image}: the {name} height is {found:g} m where the manifest says {said} m"
-
-
-def _against(stack: Stack, files: Sequence[Path], progress: Progress) -> tuple[Fidelity, list[str]]:
-    """Compare with the scan, cleaned as the manifest says."""
-    manifest = stack.manifest
-    scan = open_scan(files, manifest.parameters, progress)
-    layers = (stack.elevations(layer) for layer in manifest.layers)
-    tolerance = manifest.parameters.layer_tolerance
-    fidelity = vertical(scan, stack.grid, layers, tolerance if isinstance(tolerance, float) else np.inf)
-    digests = [(file.name, file.sha256) for file in scan.files]
-    said = [(file.name, file.sha256) for file in manifest.source.files]
-    faults = []
-    if [d for _, d in digests] != [d for _, d in said]:
-        faults.append("the scan is not the one the stack was made from (its SHA-256 differs)")
-    if fidelity.outside and not manifest.unassigned and manifest.complex is None and not faults:
-        faults.append(f"{fidelity.outside} points of the scan lie where the stack has no pillar")
-    return fidelity, faults

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stepfield.files import one_line
 from stepfield.targets.target import Options, Written
-from stepfield.targets.terrain import Raster, Terrain, TerrainLayer
+from stepfield.targets.terrain import Terrain, TerrainLayer
 from stepfield.targets.text import number, readme, write_text
 
 #: What a hole holds, as declared.

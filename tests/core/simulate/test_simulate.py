@@ -13,7 +13,7 @@ from tests.core.bridges import DECK, bridge_stack
 from tests.core.targets.stacks import stack_of
 
 from stepfield.cli import run
-from stepfield.errors import Cancelled, ParameterError, SimulationError
+from stepfield.errors import Cancelled, ParameterError, SceneError, SimulationError
 from stepfield.simulate import meshes, pictures, worlds
 from stepfield.simulate.behaviour import behaviour, difference
 from stepfield.simulate.drive import Track, drive
@@ -201,7 +201,7 @@ def test_no_truth_is_one_sentence(tmp_path: Path, source: str, monkeypatch: pyte
     (tmp_path / "damaged.stl").write_bytes(b"\x00" * 30)
     (tmp_path / "empty.ply").write_text("ply\nformat ascii 1.0\nelement vertex 0\nend_header\n")
     terrain = Terrain.of_stack(stack_of(tmp_path / "made", [np.zeros((5, 5))]))
-    with pytest.raises(SimulationError) as caught:
+    with pytest.raises(SceneError) as caught:
         meshes.true_mesh(source, terrain)
     assert "\n" not in str(caught.value)
 

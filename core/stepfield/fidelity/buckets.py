@@ -1,0 +1,108 @@
+"""Which triangles lie over each square of the plan: what makes looking for the nearest one cheap."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.fidelity.triangles import Triangles
+from stepfield.grid import Grid
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+#: Share of a square by which a triangle may reach into the next one without being counted there.
+OVERLAP = 1e-6
+#: Squares at most: as many as triangles, times this, and never fewer than the other number.
+SQUARES_A_TRIANGLE, LEAST_SQUARES = 4, 1 << 16
+#: Squares of a mesh whose triangles lie on no grid.
+TYPICAL_SQUARES = 1 << 14
+
+
+@dataclass(frozen=True, eq=False)
+class Buckets:
+    """Triangles by the squares of a grid, in local coordinates.
+
+    Attributes
+    ----------
+    grid : Grid
+        Its corner is the local origin.
+    start : ndarray of shape (squares + 1,), int64
+        Where each square's triangles begin in ``triangle``.
+    triangle : ndarray of shape (E,), int64
+        Those that lie over a square at least in part.
+    low, high : ndarray of shape (squares,), float64
+        Lowest and highest elevation of a square's triangles; infinite without any.
+    """
+
+    grid: Grid
+    start: Integers
+    triangle: Integers
+    low: Floats
+    high: Floats
+
+    @classmethod
+    def of(cls, triangles: Triangles, grid: Grid) -> Buckets:
+        """Sort triangles into the squares of a grid that covers them."""
+        square, triangle = _entries(triangles, grid)
+        order = np.argsort(square, kind="stable")
+        start = np.zeros(len(grid) + 1, np.int64)
+        np.cumsum(np.bincount(square, minlength=len(grid)), out=start[1:])
+        triangle = triangle[order]
+        low, high = np.full(len(grid), np.inf), np.full(len(grid), -np.inf)
+        held = np.flatnonzero(np.diff(start))
+        if len(held):
+            lowest, highest = triangles.span(2)
+            low[held] = np.minimum.reduceat(lowest[triangle], start[held])
+            high[held] = np.maximum.reduceat(highest[triangle], start[held])
+        return cls(grid, start, triangle, low, high)
+
+    def pairs(self, square: Integers) -> tuple[Integers, Integers]:
+        """Pair every square asked for with each of its triangles: places in ``square``, and triangles."""
+        first = self.start[square]
+        count = self.start[square + 1] - first
+        place = np.repeat(np.arange(len(square)), count)
+        step = np.arange(len(place)) - np.repeat(np.cumsum(count) - count, count)
+        return place, self.triangle[first[place] + step]
+
+
+def coarsened(grid: Grid, triangles: int) -> Grid:
+    """Return a grid over the same place without absurdly more squares than there are triangles."""
+    most = max(SQUARES_A_TRIANGLE * triangles, LEAST_SQUARES)
+    times = 1
+    while -(-grid.columns // times) * -(-grid.rows // times) > most:
+        times *= 2
+    columns, rows = -(-grid.columns // times), -(-grid.rows // times)
+    return Grid(grid.west, grid.south, grid.cell_size * times, columns, rows)
+
+
+def grid_for(low: Floats, high: Floats, triangles: int) -> Grid:
+    """Return a grid over the plan between two corners, shape (2,) or longer, for a mesh on no grid."""
+    width, depth = (max(float(high[i] - low[i]), 1e-9) for i in range(2))
+    squares = max(triangles, TYPICAL_SQUARES)
+    side = max(math.sqrt(width * depth / squares), max(width, depth) / squares)
+    columns, rows = (max(1, math.ceil(length / side)) for length in (width, depth))
+    return Grid(float(low[0]), float(low[1]), side, columns, rows)
+
+
+def _entries(triangles: Triangles, grid: Grid) -> tuple[Integers, Integers]:
+    """Every pair of a square and a triangle whose bounds overlap in the plan."""
+    first, last = [], []
+    for axis, count in ((0, grid.columns), (1, grid.rows)):
+        low, high = (ends / grid.cell_size for ends in triangles.span(axis))
+        begin = np.floor(low + OVERLAP)
+        end = np.maximum(np.ceil(high - OVERLAP) - 1, begin)
+        first.append(np.clip(begin, 0, count - 1).astype(np.int64))
+        last.append(np.clip(end, 0, count - 1).astype(np.int64))
+    wide, high_up = (b - a + 1 for a, b in zip(first, last, strict=True))
+    if (wide * high_up == 1).all():
+        return (grid.rows - 1 - first[1]) * grid.columns + first[0], np.arange(len(wide))
+    count = wide * high_up
+    triangle = np.repeat(np.arange(len(count)), count)
+    step = np.arange(len(triangle)) - np.repeat(np.cumsum(count) - count, count)
+    up, right = np.divmod(step, wide[triangle])
+    row = grid.rows - 1 - (first[1][triangle] + up)
+    return row * grid.columns + first[0][triangle] + right, triangle

@@ -1,0 +1,82 @@
+"""The layers of a result as surfaces to measure from: flat pillars, a simulator's, or with their edges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.fidelity.surface import Surface
+from stepfield.grid import Grid
+from stepfield.parameters import Parameters
+from stepfield.reconstruction import Reconstruction
+from stepfield.surface import Mesh, as_edges, as_simulator
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+#: Compartments, ascending, and elevations (scan coordinates, metres) of the pillars of each layer.
+Layers = Sequence[tuple[Integers, Floats]]
+#: ``pillars``: a flat square a compartment. ``simulator``: a vertex a pixel, two triangles where four are
+#: occupied. ``edges``: exactly the compartments, sharing corners where pillars continue each other.
+Way = Literal["pillars", "simulator", "edges"]
+
+
+def layers_of(result: Reconstruction) -> Layers:
+    """Return the exported pillars of a result, layer by layer."""
+    field = result.field
+    return [
+        (field.compartment[layer.pillars], layer.elevation + field.compartments.lowest)
+        for layer in result.layers
+    ]
+
+
+def chosen_way(parameters: Parameters) -> Way:
+    """Return the way of reconstruction that parameters ask for."""
+    return "edges"
+
+
+def meshes_of(grid: Grid, layers: Layers, way: Way, link_step: float) -> list[Mesh]:
+    """Make one mesh a layer.
+
+    Parameters
+    ----------
+    grid : Grid
+    layers : sequence of tuple of ndarray
+        All layers of a step-field together.
+    way : str
+        How they are reconstructed.
+    link_step : float
+        Greatest difference in elevation of two neighbours that continue each other, metres.
+    """
+    if way == "edges":
+        return as_edges(grid, layers, link_step)
+    make = _flat if way == "pillars" else as_simulator
+    return [make(grid, *layer) for layer in layers]
+
+
+def surface_of(
+    grid: Grid, layers: Layers, way: Way, link_step: float, besides: Sequence[Mesh] = ()
+) -> Surface:
+    """Make the surface of layers, as :func:`meshes_of` does, to measure from.
+
+    Its parts are the layers, then the meshes ``besides``: those of complex parts.
+    """
+    meshes = [*meshes_of(grid, layers, way, link_step), *besides]
+    if way != "simulator":
+        return Surface.of(meshes, grid)
+    half = grid.cell_size / 2  # between four pixels lies one square
+    columns, rows = (max(count - 1, 1) for count in (grid.columns, grid.rows))
+    return Surface.of(meshes, Grid(grid.west + half, grid.south + half, grid.cell_size, columns, rows))
+
+
+def _flat(grid: Grid, compartment: Integers, top: Floats) -> Mesh:
+    """Level squares at the pillars' tops."""
+    x, y = grid.lines(compartment)
+    ring = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    corners = np.stack([np.column_stack([x[:, i], y[:, j], top]) for i, j in ring], axis=1)
+    first = np.arange(len(compartment))[:, np.newaxis] * 4
+    triangles = (first + np.array([0, 1, 2, 0, 2, 3])).reshape(-1, 3)
+    return Mesh(corners.reshape(-1, 3), triangles)
