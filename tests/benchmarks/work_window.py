@@ -287,8 +287,14 @@ def shared_places() -> list[Path]:
 
 
 def age() -> float:
-    """Seconds since this process was started."""
-    return float(time.time() - psutil.Process().create_time())
+    """Seconds since this process was started.
+
+    On Linux by the clock the kernel notes it with: psutil adds the time of the boot, which is cut to a second.
+    """
+    if sys.platform != "linux":
+        return float(time.time() - psutil.Process().create_time())
+    ticks = Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19]
+    return time.clock_gettime(time.CLOCK_BOOTTIME) - int(ticks) / os.sysconf("SC_CLK_TCK")
 
 
 def watched(task: Task, report: Report) -> type[MainWindow]:
