@@ -71,14 +71,15 @@ def run(
     assert isinstance(application, QApplication)
     _name(application)
     settings = Settings()
+    garbage = GarbageCollector(application)
     appearance = Appearance(application, theme or settings.theme)
     window = MainWindow(appearance, settings, size=size, remembers=screenshot is None)
     sys.excepthook = _shown_by(window)
     picture = Screenshot(window, screenshot) if screenshot is not None else None
     window.show()
-    stop, garbage = _closed_by_signals(window), GarbageCollector(window)
+    stop = _closed_by_signals(window)
     if scans:
-        QTimer.singleShot(0, lambda: window.open_scans(scans, parameters or Parameters()))
+        window.first_paint.happened.connect(lambda: window.open_scans(scans, parameters or Parameters()))
     code = application.exec()
     sys.excepthook = sys.__excepthook__
     garbage.stop()

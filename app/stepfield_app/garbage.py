@@ -11,17 +11,22 @@ LOOK = 500
 
 
 class GarbageCollector(QObject):
-    """Takes the place of Python's automatic collection, which runs on whichever thread allocates last."""
+    """Takes the place of Python's automatic collection, which runs on whichever thread allocates last.
+
+    What there is already, modules above all, is left out: looking through it would take longer than a blink.
+    """
 
     def __init__(self, parent: QObject) -> None:
         super().__init__(parent)
         gc.disable()
+        gc.freeze()
         timer = QTimer(self, interval=LOOK)
         timer.timeout.connect(self._look)
         timer.start()
 
     def stop(self) -> None:
         """Give the work back to Python."""
+        gc.unfreeze()
         gc.enable()
 
     def _look(self) -> None:

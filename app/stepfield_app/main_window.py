@@ -6,8 +6,7 @@ import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
-from PySide6.QtCore import QTimer
-from PySide6.QtGui import QCloseEvent, QShowEvent
+from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QDialog, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
 from stepfield.errors import StepfieldError
@@ -25,6 +24,7 @@ from stepfield_app.feeds.selection_feed import SelectionFeed
 from stepfield_app.feeds.status_feed import StatusFeed
 from stepfield_app.feeds.stray_feed import StrayFeed
 from stepfield_app.feeds.suspect_feed import SuspectFeed
+from stepfield_app.first_paint import FirstPaint
 from stepfield_app.opening import DropTarget
 from stepfield_app.panels.cleaning import CleaningPanel
 from stepfield_app.panels.history import HistoryPanel
@@ -84,6 +84,7 @@ class MainWindow(QMainWindow):
         self.selection = Selection(self.document, self)
         self.editor = Editor(self.document, self.selection, self)
         self.client = RenderClient(self)
+        self.first_paint = FirstPaint(self)
         self._make_views()
         self._make_panels()
         self._make_feeds()
@@ -166,6 +167,7 @@ class MainWindow(QMainWindow):
 
     def _connect(self) -> None:
         document = self.document
+        self.first_paint.happened.connect(self.client.start)  # takes seconds, and nobody has to wait
         document.failed.connect(self.tell)
         document.opened.connect(self._note_opened)
         document.answer_changed.connect(lambda _: self._show_whether_open())
@@ -275,11 +277,6 @@ class MainWindow(QMainWindow):
         ):
             part.set_theme(theme)
         self.scene_feed.set_theme(theme)
-
-    def showEvent(self, event: QShowEvent) -> None:  # noqa: N802
-        """Start what draws in 3-D once the window is there: it takes seconds, and nobody has to wait."""
-        super().showEvent(event)
-        QTimer.singleShot(0, self.client.start)
 
     def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
         """Stop everything; no process and no thread is left."""

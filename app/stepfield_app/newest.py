@@ -85,8 +85,6 @@ class NewestWins(QObject, Generic[Asked, Answered]):
         self._jobs: SimpleQueue[_Job | Callable[[], None] | None] = SimpleQueue()
         self._thread = Thread(target=self._work, name=name, daemon=True) if threaded else None
         self._reported.connect(self._receive, Qt.ConnectionType.QueuedConnection)
-        if self._thread:
-            self._thread.start()
 
     @property
     def busy(self) -> bool:
@@ -117,7 +115,7 @@ class NewestWins(QObject, Generic[Asked, Answered]):
         self.cancel()
         forget: Callable[[], None] | None = getattr(self._function, "forget", None)
         if forget and self._thread:
-            self._jobs.put(forget)
+            self._hand_over(forget)
         elif forget:
             forget()
 
@@ -125,8 +123,8 @@ class NewestWins(QObject, Generic[Asked, Answered]):
         """Cancel, and wait until the thread has ended. Nothing can be asked afterwards."""
         self._closed = True
         self.cancel()
-        self._jobs.put(None)
-        if self._thread:
+        if self._thread and self._thread.ident is not None:
+            self._jobs.put(None)
             self._thread.join()
 
     def _start_when_idle(self) -> None:
@@ -145,9 +143,16 @@ class NewestWins(QObject, Generic[Asked, Answered]):
         self._running = job
         self._not_before = time.monotonic() + self._pace if job else self._not_before
         if job and self._thread:
-            self._jobs.put(job)
+            self._hand_over(job)
         elif job:
             self._receive(self._done(job, lambda report: self._receive(report)))
+
+    def _hand_over(self, work: _Job | Callable[[], None]) -> None:
+        """Give the thread something to do; it starts with the first: a window that is made waits for none."""
+        assert self._thread is not None
+        if self._thread.ident is None:
+            self._thread.start()
+        self._jobs.put(work)
 
     def _receive(self, report: _Report) -> None:
         """Pass on what the worker reported, on the owner's thread."""

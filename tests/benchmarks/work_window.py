@@ -289,7 +289,7 @@ def shared_places() -> list[Path]:
 def age() -> float:
     """Seconds since this process was started.
 
-    On Linux by the clock the kernel notes it with: psutil adds the time of the boot, which is cut to a second.
+    On Linux by the clock the kernel notes it with: psutil adds the time of the boot, cut to a second.
     """
     if sys.platform != "linux":
         return float(time.time() - psutil.Process().create_time())
