@@ -38,21 +38,23 @@ def vertical(compartments: Compartments, start: Integers, layer_tolerance: float
     cell = compartments.grid.cell_size
     least = max(layer_tolerance, STEEP * cell) / compartments.tick
     # A length of exactly so much is not more; the tiny share forgives the rounding of the division.
-    is_vertical: NDArray[np.bool_] = _run(compartments, start, layer_tolerance) > least * (1 + 1e-12)
+    least *= 1 + 1e-12
+    ticks = compartments.ticks
+    is_vertical: NDArray[np.bool_] = ticks[start[1:] - 1] - ticks[start[:-1]] > least
+    if layer_tolerance > cell:  # else no gap within a pillar is wider than a compartment
+        high = np.flatnonzero(is_vertical)
+        is_vertical[high] = _run(compartments, start, high) > least
     is_vertical.flags.writeable = False
     return is_vertical
 
 
-def _run(compartments: Compartments, start: Integers, layer_tolerance: float) -> Integers:
-    """Ticks that the points of each pillar run upwards, shape (P,)."""
-    ticks, cell = compartments.ticks, compartments.grid.cell_size
-    span = (ticks[start[1:] - 1] - ticks[start[:-1]]).astype(np.int64)
-    if layer_tolerance <= cell:  # no gap within a pillar is wider
-        return span
-    parts = compartments.parts
-    wide = parts.wider_than(int(min(cell / compartments.tick * (1 + 1e-12), 2.0**32)))
-    gap = parts.gap[wide].astype(np.int64)
-    bottom = np.searchsorted(parts.start[wide], start[:-1])
-    gap[bottom] = 0  # below a pillar, not within it
-    run: Integers = span - np.add.reduceat(gap, bottom)
+def _run(compartments: Compartments, start: Integers, pillars: Integers) -> Integers:
+    """Ticks that the points of some pillars run upwards: from end to end without the wide gaps."""
+    ticks, parts = compartments.ticks, compartments.parts
+    widest = int(min(compartments.grid.cell_size / compartments.tick * (1 + 1e-12), 2.0**32))
+    gaps = np.where(parts.gap > np.uint64(widest), parts.gap, np.uint64(0)).astype(np.int64)
+    below = np.append(0, np.cumsum(gaps))
+    first, last = (np.searchsorted(parts.start, start[at]) for at in (pillars, pillars + 1))
+    span = (ticks[start[pillars + 1] - 1] - ticks[start[pillars]]).astype(np.int64)
+    run: Integers = span - (below[last] - below[first + 1])
     return run
