@@ -60,6 +60,7 @@ class _Work:
             progress,
             most_points=PREVIEW_POINTS if request.quick else None,
         )
+        result.field.vertical.any()  # found here, so that the window need not wait for it
         self._scans, self._pipeline = request.scans, pipeline
         if self._facts is None or self._facts.scan is not pipeline.raw:
             self._facts = facts_of(pipeline.raw)

@@ -49,7 +49,7 @@ def tower(rows: int = 60) -> Stack:
     top = rng.uniform(0, 0.3, rows**2)
     index = np.arange(rows**2)
     foot = np.zeros(len(top))
-    return Stack(Lattice(edges, edges[::-1]), foot.astype(int), index, foot, top, foot == 0)
+    return Stack(Lattice(edges, edges[::-1]), foot.astype(int), index, foot, top, foot == 0, foot > 0)
 
 
 def covers_a_middle(corners: NDArray[np.float64]) -> bool:

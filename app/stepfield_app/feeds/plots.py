@@ -110,6 +110,7 @@ def _section(wish: SectionWish, near: Band) -> Section:
         total=found.found,
         pillars=cut.pillar,
         field=result.field,
+        vertical=cut.vertical,
     )
 
 

@@ -74,4 +74,6 @@ class StatusFeed(QObject):
             return
         place = compartment_at(answer.result, x, y)
         if place is not None:
-            self._status.show_cell(*place, len(pillars_at(answer.result, x, y)))
+            here = pillars_at(answer.result, x, y)
+            walls = sum(each.is_vertical for each in here)
+            self._status.show_cell(*place, len(here) - walls, walls)

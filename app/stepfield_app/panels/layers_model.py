@@ -63,7 +63,13 @@ class LayerRow:
         selected = f" of which {grouped(self.selected)} selected" if self.selected else ""
         locked = ", locked" if self.is_locked else ""
         pillars = counted(self.summary.pillars, "pillar")
-        return f"{self.name}, {pillars}{selected}{average}, {state}{locked}"
+        return f"{self.name}, {pillars}{selected}{self._walls}{average}, {state}{locked}"
+
+    @property
+    def _walls(self) -> str:
+        if self.summary.is_obstacles:
+            return ", obstacles"
+        return f", {grouped(self.summary.vertical)} of them vertical" if self.summary.vertical else ""
 
 
 class Role(IntEnum):

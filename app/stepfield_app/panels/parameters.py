@@ -37,6 +37,13 @@ LAYERING = Described(
 PILLAR_HEIGHT = Described(
     "pillar_height", "Pillar height", "Which elevation of its points a pillar is given (5.1)", "g"
 )
+WALLS = Described(
+    "walls",
+    "Walls",
+    "Pillars whose points run upwards, walls and columns: like all others, up to their highest point, "
+    "or taken out of the surfaces into a layer of obstacles, solid from foot to top",
+    "W",
+)
 MIN_POINTS = Described("min_points", "Least points", "A pillar of fewer points is left out of every layer")
 MAX_LAYERS = Described(
     "max_layers", "Most layers", "Pillars beyond this many in a compartment are left unassigned"
@@ -58,6 +65,7 @@ OPTIONS: dict[str, tuple[tuple[str, Any], ...]] = {
         ("median", "median"),
         ("90th percentile", "p90"),
     ),
+    "walls": (("like all pillars", "mean"), ("to their tops", "top"), ("as obstacles", "layer")),
     "max_layers": (("auto", "auto"), ("no limit", "none"), *((str(n), n) for n in range(1, 13))),
     "bits": (("16 bits", 16), ("8 bits", 8)),
     "pad": (("powers of two", "pow2"), ("none", "none")),
@@ -98,7 +106,7 @@ class ParametersPanel(QWidget):
         self.tolerance = LengthRow(TOLERANCE, document, self)
         self.link_step = LengthRow(LINK_STEP, document, self)
         self.min_points = CountRow(MIN_POINTS, MOST_POINTS, document, self)
-        described = (LAYERING, PILLAR_HEIGHT, MAX_LAYERS, BITS, PAD, WHITE)
+        described = (LAYERING, PILLAR_HEIGHT, WALLS, MAX_LAYERS, BITS, PAD, WHITE)
         self.choices = {each.name: ChoiceRow(each, OPTIONS[each.name], document, self) for each in described}
         self._rows: tuple[LengthRow | CountRow | ChoiceRow, ...] = (
             *(self.cell_size, self.alpha, self.tolerance, self.link_step, self.min_points),
@@ -116,7 +124,8 @@ class ParametersPanel(QWidget):
         layout = column()
         layout.addLayout(title)
         first = [self.cell_size, self.alpha, self.tolerance]
-        layout.addLayout(_grid([*first, self.choices["layering"], self.choices["pillar_height"]]))
+        second = [self.choices[name] for name in ("layering", "pillar_height", "walls")]
+        layout.addLayout(_grid([*first, *second]))
         more = QWidget()
         rest = [self.choices[name] for name in ("max_layers", "bits", "pad", "range")]
         more.setLayout(_grid([self.link_step, self.min_points, *rest]))

@@ -48,6 +48,8 @@ WALL_LIGHT = (0.70, 0.80, 0.84, 0.62)
 UNDERSIDE_LIGHT = 0.48
 #: What every second compartment loses, so that level ground still shows its blocks.
 CHECKER = 0.045
+#: What a wall loses on all sides, so that it is told from ground.
+WALL = 0.3
 #: Light a corner of a top loses to each higher neighbour beside it and across the corner.
 BESIDE, ACROSS = 0.17, 0.10
 #: Light a wall has left at its foot, standing on a neighbour or free.
@@ -136,7 +138,7 @@ def meshes(
 
 
 def mesh(stack: Stack, colours: Bytes, span: tuple[float, float] | None) -> Triangles:
-    """Turn blocks into triangles; see the module for their order."""
+    """Turn blocks into triangles; see the module for their order. Walls are darker."""
     colour = colours[stack.layer] if span is None else ramp("height")[steps(stack.top, *span, 256)]
     faces, around, light = Faces.of(stack, colour), Surroundings(stack), _checker(stack)
     tops = faces.tops(_top_light(around) * light[:, np.newaxis])
@@ -147,6 +149,7 @@ def mesh(stack: Stack, colours: Bytes, span: tuple[float, float] | None) -> Tria
 def _checker(stack: Stack) -> Singles:
     row, column = np.divmod(stack.compartment, stack.lattice.shape[1])
     light: Singles = np.array([1, 1 - CHECKER], np.float32)[(row + column) % 2]
+    light[stack.vertical] *= np.float32(1 - WALL)
     return light
 
 

@@ -23,6 +23,8 @@ class Legend:
     entries : tuple of (colour, str)
     low, high : float
         What the ends of the ramp stand for; values beyond take the colour of the end.
+    note : str
+        What else the colours of a ramp say.
     """
 
     title: str
@@ -31,3 +33,4 @@ class Legend:
     entries: tuple[tuple[Colour, str], ...] = ()
     low: float = 0.0
     high: float = 1.0
+    note: str = ""

@@ -29,6 +29,8 @@ Mode = Literal["gray", "colour", "hillshade"]
 
 #: Where the light of the hillshade comes from: the north-west, half-way up.
 LIGHT = (-0.5, 0.5, 0.7071)
+#: Every so manieth diagonal of a wall's pixels is dark, and has so much light left.
+HATCH, HATCH_LIGHT = 3, 0.45
 #: Light that a slope facing away still has.
 AMBIENT = 0.35
 
@@ -67,13 +69,14 @@ def raster(
         -1 for the pillars in no layer, the highest of each compartment.
     mode : str
         ``gray``: as the exported image, without its padding. ``colour``: by height. ``hillshade``: the same
-        with light from the north-west.
+        with light from the north-west. Walls among surfaces are hatched in both.
     span : tuple of float
         Elevations the ramp spans, scan coordinates; the layer's own by default.
     stride : int
         Every how manieth row and column is drawn; 1 for ``gray``, which is the exported image.
     """
-    grid, heights = thinned_elevations(result, layer, stride)
+    [part] = pixels(result, [layer], stride)
+    grid, heights = part.grid, _heights(result, part)
     if mode == "gray":
         gray = _exported(result, layer, heights)
         return Raster(
@@ -84,9 +87,21 @@ def raster(
     if mode == "hillshade":
         shade = hillshade(heights, grid.cell_size)
         colours = np.rint(colours * shade[:, :, np.newaxis]).astype(np.uint8)
-    return Raster(
-        _opaque(colours, heights), heights, Legend("Elevation", "m", ramp("height"), low=low, high=high)
-    )
+    note = "hatched: wall" if _hatch(colours, result, layer, part) else ""
+    legend = Legend("Elevation", "m", ramp("height"), low=low, high=high, note=note)
+    return Raster(_opaque(colours, heights), heights, legend)
+
+
+def _hatch(colours: Bytes, result: Reconstruction, layer: int, part: Pixels) -> bool:
+    """Hatch the walls of a layer, in place; tell whether there are any among surfaces."""
+    if layer in result.layering.obstacles:
+        return False
+    walls = part.compartment[result.field.vertical[part.pillars]]
+    row, column = part.grid.row_column(walls)
+    dark = (row + column) % HATCH == 0
+    place = row[dark], column[dark]
+    colours[place] = np.rint(colours[place] * HATCH_LIGHT).astype(np.uint8)
+    return bool(len(walls))
 
 
 def elevations(result: Reconstruction, layer: int) -> Singles:
@@ -97,10 +112,13 @@ def elevations(result: Reconstruction, layer: int) -> Singles:
 def thinned_elevations(result: Reconstruction, layer: int, stride: int) -> tuple[Grid, Singles]:
     """Return :func:`elevations` of every ``stride``-th row and column, and the grid of these."""
     [part] = pixels(result, [layer], stride)
-    grid = part.grid
-    heights = np.full(len(grid), np.nan, np.float32)
+    return part.grid, _heights(result, part)
+
+
+def _heights(result: Reconstruction, part: Pixels) -> Singles:
+    heights = np.full(len(part.grid), np.nan, np.float32)
     heights[part.compartment] = part.elevation + result.field.compartments.lowest
-    return grid, frozen(heights.reshape(grid.rows, grid.columns))
+    return frozen(heights.reshape(part.grid.rows, part.grid.columns))
 
 
 def hillshade(heights: Singles, cell_size: float) -> Singles:

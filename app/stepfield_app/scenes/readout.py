@@ -22,6 +22,8 @@ class PillarAt:
     elevation, low, high : float
         Scan coordinates, metres.
     points : int
+    is_vertical : bool
+        Whether it is a wall or a column.
     """
 
     pillar: int
@@ -30,6 +32,7 @@ class PillarAt:
     low: float
     high: float
     points: int
+    is_vertical: bool = False
 
 
 def compartment_at(result: Reconstruction, x: float, y: float) -> tuple[int, int] | None:
@@ -67,4 +70,5 @@ def _row(result: Reconstruction, pillar: int) -> PillarAt:
         low=low * cells.tick + cells.lowest,
         high=high * cells.tick + cells.lowest,
         points=int(field.start[pillar + 1] - field.start[pillar]),
+        is_vertical=bool(field.vertical[pillar]),
     )

@@ -37,6 +37,8 @@ class Cut:
         Scan coordinates, metres.
     standing : ndarray of shape (n,), bool
         Whether it is the lowest of its compartment, which stands on the base plane.
+    vertical : ndarray of shape (n,), bool
+        Whether it is a wall.
     """
 
     pillar: Integers
@@ -47,6 +49,7 @@ class Cut:
     high: Floats
     elevation: Floats
     standing: NDArray[np.bool_]
+    vertical: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +163,7 @@ def cut(result: Reconstruction, tail: Floats, tip: Floats) -> Cut:
         high=frozen(field.highs(pillar) + lowest),
         elevation=frozen(field.elevation[pillar] + lowest),
         standing=frozen(_is_lowest(field, pillar)),
+        vertical=frozen(field.vertical[pillar]),
     )
 
 

@@ -80,6 +80,8 @@ class Stack:
         Local elevations, metres.
     standing : ndarray of shape (n,), bool
         Whether the block is a column on the base plane.
+    vertical : ndarray of shape (n,), bool
+        Whether it is a wall.
     """
 
     lattice: Lattice
@@ -88,6 +90,7 @@ class Stack:
     bottom: Floats
     top: Floats
     standing: NDArray[np.bool_]
+    vertical: NDArray[np.bool_]
 
     def __len__(self) -> int:
         return len(self.layer)
@@ -117,7 +120,8 @@ def step_field(result: Reconstruction, origin: Floats, visible: Collection[int],
     bottom = np.maximum(bottom, _ceiling_below(some.compartment, elevation)[chosen])
     bottom += shift
     bottom[standing] = result.base_elevation - origin[2]
-    return Stack(lattice, layer[chosen], some.compartment[chosen], bottom, top + shift, standing)
+    vertical = field.vertical[some.pillars[chosen]]
+    return Stack(lattice, layer[chosen], some.compartment[chosen], bottom, top + shift, standing, vertical)
 
 
 def own_columns(result: Reconstruction, layer: Layer, origin: Floats) -> Stack:
@@ -131,6 +135,22 @@ def own_columns(result: Reconstruction, layer: Layer, origin: Floats) -> Stack:
         np.full(count, base),
         base + layer.heights,
         np.ones(count, bool),
+        result.field.vertical[layer.pillars],
+    )
+
+
+def solids(result: Reconstruction, layer: Layer, origin: Floats) -> Stack:
+    """Return the pillars of a layer of obstacles, from their lowest points up."""
+    field, pillars = result.field, layer.pillars
+    shift = field.compartments.lowest - origin[2]
+    return Stack(
+        Lattice.of(field.compartments.grid, origin),
+        np.full(len(pillars), layer.index),
+        field.compartment[pillars],
+        field.lows(pillars) + shift,
+        field.elevation[pillars] + shift,
+        np.zeros(len(pillars), bool),
+        field.vertical[pillars],
     )
 
 
@@ -157,10 +177,11 @@ def coarser(stack: Stack) -> Stack:
         np.minimum.reduceat(lowest[order], starts),
         np.maximum.reduceat(stack.top[order], starts),
         mostly,
+        np.logical_or.reduceat(stack.vertical[order], starts),
     )
 
 
-_COLUMNS = ("layer", "compartment", "bottom", "top", "standing")
+_COLUMNS = ("layer", "compartment", "bottom", "top", "standing", "vertical")
 
 
 def _spread(group: NDArray[np.bool_], starts: Integers, order: Integers) -> NDArray[np.bool_]:

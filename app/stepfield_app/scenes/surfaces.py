@@ -13,7 +13,7 @@ from stepfield.surface import as_simulator
 from stepfield_app.render.scene import Triangles
 from stepfield_app.scenes.arrays import frozen, steps
 from stepfield_app.scenes.blocks import local_span, meshes
-from stepfield_app.scenes.stacks import own_columns
+from stepfield_app.scenes.stacks import own_columns, solids
 from stepfield_app.scenes.thinned import Pixels, pixels, stride_for
 from stepfield_app.theme import ramp
 
@@ -55,7 +55,8 @@ def surfaces(
         Unassigned last; it has no surface.
     visible : collection of int
     way : str
-        ``simulator``: a vertex a pixel, a quad where all four are occupied. ``pillars``: blocks from the
+        ``simulator``: a vertex a pixel, a quad where all four are occupied; obstacles are solid.
+        ``pillars``: blocks from the
         base plane to each pillar's top.
     mode : str
         Colour by ``layer``, or by ``height`` over :func:`~stepfield_app.scenes.blocks.height_range`.
@@ -69,6 +70,10 @@ def surfaces(
     if way == "pillars":
         made = [meshes(own_columns(result, layer, origin), colours, span, LEVELS) for layer in layers]
         return tuple(merged([levels[min(i, len(levels) - 1)] for levels in made]) for i in range(LEVELS))
+    walls = [
+        meshes(solids(result, layer, origin), colours, span, LEVELS) for layer in layers if layer.is_obstacles
+    ]
+    layers = [layer for layer in layers if not layer.is_obstacles]
     indices = [layer.index for layer in layers]
     finest = max(least, stride_for(sum(len(layer.pillars) for layer in layers), most))
     return tuple(
@@ -77,6 +82,7 @@ def surfaces(
                 _drawn(part, index, origin - [0, 0, result.field.compartments.lowest], colours, span)
                 for index, part in zip(indices, pixels(result, indices, finest << level), strict=True)
             ]
+            + [levels[min(level, len(levels) - 1)] for levels in walls]
         )
         for level in range(LEVELS)
     )

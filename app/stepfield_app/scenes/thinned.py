@@ -68,11 +68,14 @@ class Pixels:
         Those that are occupied, ascending.
     elevation : ndarray of shape (n,), float64
         Metres above the scan's lowest point.
+    pillars : ndarray of shape (n,), int64
+        Indices into the step-field.
     """
 
     grid: Grid
     compartment: Integers
     elevation: Floats
+    pillars: Integers
 
 
 def pixels(result: Reconstruction, layers: Sequence[int], stride: int = 1) -> list[Pixels]:
@@ -84,10 +87,12 @@ def pixels(result: Reconstruction, layers: Sequence[int], stride: int = 1) -> li
             for layer in layers
         ]
         grid = field.compartments.grid
-        return [Pixels(grid, field.compartment[members], field.elevation[members]) for members in chosen]
+        return [
+            Pixels(grid, field.compartment[members], field.elevation[members], members) for members in chosen
+        ]
     their, elevation = result.layering.layer[some.pillars], field.elevation[some.pillars]
     masks = [their == layer for layer in layers]
-    return [Pixels(some.grid, some.compartment[mask], elevation[mask]) for mask in masks]
+    return [Pixels(some.grid, some.compartment[mask], elevation[mask], some.pillars[mask]) for mask in masks]
 
 
 def coarse_grid(grid: Grid, stride: int) -> Grid:

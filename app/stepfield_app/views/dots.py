@@ -12,6 +12,8 @@ from stepfield_app.views.pixels import Boxes, PixelItem, Pixels, Place, packed
 POINT = 2
 #: Opacity of a pillar and of its edge, 0 to 255.
 FILL, EDGE = 56, 112
+#: The same of a wall, which is told from ground by it.
+WALL_FILL, WALL_EDGE = 140, 220
 
 
 class Dots(PixelItem):
@@ -41,10 +43,14 @@ class Dots(PixelItem):
 
 
 class Blocks(Boxes):
-    """Pillars in section: from the lowest to the highest point, with a line at their height."""
+    """Pillars in section: from the lowest to the highest point, with a line at their height; walls denser."""
 
     def set_blocks(self, section: Section) -> None:
         """Show the pillars of another section, the lines at their heights over all of them."""
         codes, spans = section.pillar_codes, section.spans
-        self.set_boxes(spans, packed(section.colours, FILL)[codes], packed(section.colours, EDGE)[codes])
+        insides, edges = (packed(section.colours, opacity)[codes] for opacity in (FILL, EDGE))
+        walls = np.flatnonzero(section.vertical)
+        insides[walls] = packed(section.colours, WALL_FILL)[codes[walls]]
+        edges[walls] = packed(section.colours, WALL_EDGE)[codes[walls]]
+        self.set_boxes(spans, insides, edges)
         self.set_lines(np.column_stack([spans[:, :2], section.tops]), packed(section.colours)[codes])

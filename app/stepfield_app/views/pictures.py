@@ -75,6 +75,8 @@ class Section:
         Indices of the pillars into the step-field.
     field : StepField or None
         The step-field they are of.
+    vertical : ndarray of shape (m,), bool
+        Which pillars are walls; empty where none is.
     """
 
     start: Place
@@ -90,6 +92,7 @@ class Section:
     total: int
     pillars: NDArray[np.int64] = made_by(default_factory=lambda: np.zeros(0, np.int64))
     field: StepField | None = None
+    vertical: NDArray[np.bool_] = made_by(default_factory=lambda: np.zeros(0, bool))
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,7 @@ class Status(QStatusBar):
         self.setSizeGripEnabled(False)
         self.setAccessibleName("Status")
         self._position = _Figure("x 888 888.88  y 8 888 888.88  z 888.88 m", "Position")
-        self._cell = _Figure("cell 8888, 8888: 88 surfaces", "Compartment: column, row, surfaces in it")
+        self._cell = _Figure("cell 888, 888: 8 surfaces + 1 wall", "Compartment: column, row, surfaces in it")
         self._result = _Figure("8 888 888 pillars, 88 layers", "What the result holds")
         self._points = _Figure("8.88 M points", "Points of the scan")
         self._time = _Figure("made in 888 ms", "Time the last result took")
@@ -43,9 +43,11 @@ class Status(QStatusBar):
         known = "" if z is None else f"  z {_metres(z, decimals)}"
         self._position.setText(f"x {_metres(x, decimals)}  y {_metres(y, decimals)}{known} m")
 
-    def show_cell(self, row: int, column: int, surfaces: int) -> None:
-        """Say which compartment the pointer is in and how many surfaces it has."""
-        self._cell.setText(f"cell {column}, {row}: {counted(surfaces, 'surface')}")
+    def show_cell(self, row: int, column: int, surfaces: int, walls: int = 0) -> None:
+        """Say which compartment the pointer is in and how many surfaces and walls it has."""
+        standing = counted(walls, "wall") if walls else ""
+        level = counted(surfaces, "surface") if surfaces or not walls else ""
+        self._cell.setText(f"cell {column}, {row}: {' + '.join(filter(None, (level, standing)))}")
 
     def show_selection(self, *wordings: str) -> None:
         """Say what is selected, in the longest of these wordings that there is room for."""
