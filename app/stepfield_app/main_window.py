@@ -16,6 +16,7 @@ from stepfield_app.appearance import Appearance
 from stepfield_app.commands.filing import Filing
 from stepfield_app.document import Document
 from stepfield_app.editor import Editor
+from stepfield_app.feeds.complex_feed import ComplexFeed
 from stepfield_app.feeds.demo_feed import DemoFeed
 from stepfield_app.feeds.lead import Lead
 from stepfield_app.feeds.plot_feed import PlotFeed
@@ -36,7 +37,7 @@ from stepfield_app.panels.suspects import SuspectsPanel
 from stepfield_app.render.client import RenderClient
 from stepfield_app.selection import Selection
 from stepfield_app.settings import Settings
-from stepfield_app.theme import Theme
+from stepfield_app.theme import COMPLEX_COLOUR, Theme
 from stepfield_app.tools.crop import CropTool
 from stepfield_app.tools.select import SelectTools, Views
 from stepfield_app.views.histogram import HistogramView
@@ -124,7 +125,9 @@ class MainWindow(QMainWindow):
         self.layer_editing = LayersEditing(self.document, self.layers, self.editor)
         self.moves, self.suspects = MovesPanel(self.document, self.editor), SuspectsPanel()
         self.marks, self.mark_box = Marks(), MarkBox()
-        self.map.plot.addItem(self.marks, ignoreBounds=True)
+        self.complex_marks = Marks(lambda _: (COMPLEX_COLOUR,))
+        for marks in (self.complex_marks, self.marks):
+            self.map.plot.addItem(marks, ignoreBounds=True)
         self.map.strip.add(self.mark_box)
         self.docks = docks.Docks(
             parameters=docks.docked(self, "Parameters", self.parameters, docks.LEFT),
@@ -147,6 +150,7 @@ class MainWindow(QMainWindow):
         self.stray_feed = StrayFeed(self.document, self.cleaning, self.scene_feed)
         self.demo_feed = DemoFeed(self)
         self.selection_feed = SelectionFeed(self.document, self.selection, self.scene_feed, self.client)
+        self.complex_feed = ComplexFeed(self.document, self.scene_feed, self.map, self.complex_marks)
         lead = Lead(self.document, self.map, self.trio, self.scene_feed, self.selection_feed)
         self.suspect_feed = SuspectFeed(
             self.document, self.selection, self.map, self.marks, self.mark_box, self.suspects, lead
@@ -161,9 +165,12 @@ class MainWindow(QMainWindow):
         self._centre.insertWidget(1, self.select_tools.strip)
 
     @property
-    def _feeds(self) -> tuple[SceneFeed | PlotFeed | StrayFeed | SelectionFeed | SuspectFeed, ...]:
+    def _feeds(
+        self,
+    ) -> tuple[SceneFeed | PlotFeed | StrayFeed | SelectionFeed | SuspectFeed | ComplexFeed, ...]:
         """What asks workers for pictures, in the order in which it has to end."""
-        return self.suspect_feed, self.selection_feed, self.plot_feed, self.stray_feed, self.scene_feed
+        plans = self.suspect_feed, self.selection_feed, self.plot_feed
+        return *plans, self.stray_feed, self.complex_feed, self.scene_feed
 
     def _connect(self) -> None:
         document = self.document
@@ -177,7 +184,7 @@ class MainWindow(QMainWindow):
         self.profile.cursor_left.connect(lambda: self.map.set_mark(None))
         for source in (*self._feeds, self.demo_feed, self.selection, self.select_tools):
             source.failed.connect(self.tell)
-        for says in (self.editor.told, self.suspect_feed.told):
+        for says in (self.editor.told, self.suspect_feed.told, self.complex_feed.told):
             says.connect(self.status.say)
         document.undo_stack.indexChanged.connect(lambda _: self.status.clearMessage())  # undone, perhaps
         self.layers.visibility_changed.connect(self._show_layers)
@@ -188,6 +195,8 @@ class MainWindow(QMainWindow):
         self.welcome.demo_wanted.connect(self.demo_feed.start)
         self.welcome.files_chosen.connect(self.open_scans)
         self.demo_feed.progressed.connect(self.status.show_progress)
+        self.complex_feed.progressed.connect(self.status.show_progress)
+        self.complex_feed.rested.connect(self.status.clear_progress)
         self.demo_feed.made.connect(self.open_scans)
         self.status.cancel_wanted.connect(self.cancel)
         DropTarget(self).dropped.connect(self.open_scans)
@@ -202,6 +211,7 @@ class MainWindow(QMainWindow):
     def cancel(self) -> None:
         """Stop what is being made."""
         self.demo_feed.cancel()
+        self.complex_feed.cancel()
         self.filing.cancel()
         self.document.cancel()
 
@@ -270,6 +280,7 @@ class MainWindow(QMainWindow):
             self.layers,
             self.moves,
             self.marks,
+            self.complex_marks,
             self.mark_box,
             self.message_bar,
             self.crop_tool,

@@ -64,6 +64,9 @@ LAYER_COLOURS = (
 )
 UNASSIGNED_COLOUR = "#8a8f98"
 
+#: What a mesh stands in for, where height-maps fail: unlike any layer, on both grounds.
+COMPLEX_COLOUR = "#b4e61e"
+
 #: Outlines show on every colour and in both themes: light ones, of a selection or of a place that is pointed
 #: out, with something dark around them.
 OUTLINES = {"selection": "#ffffff", "place": "#ff66f5"}

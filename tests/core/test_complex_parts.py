@@ -182,7 +182,7 @@ def test_a_stopped_build_ends_its_process(result: Reconstruction) -> None:
     """Else a cancelled export would go on using a processor."""
 
     def stop(share: float, what: str) -> None:
-        if what.startswith("meshing"):
+        if what.startswith("meshing"):  # its process runs by then
             raise Cancelled
 
     with pytest.raises(Cancelled):

@@ -19,10 +19,11 @@ from stepfield_app.render.scene import CLOUD, PILLARS, RECONSTRUCTION, Lines, Po
 from stepfield_app.requests import Answer
 from stepfield_app.scenes import blocks, colouring, surfaces
 from stepfield_app.scenes.cloud import Cloud, cloud, points
+from stepfield_app.scenes.complex_parts import Meshed, complex_mesh
 from stepfield_app.scenes.ground import crosses, ground
 from stepfield_app.scenes.legend import Legend
 from stepfield_app.scenes.thinned import stride_for
-from stepfield_app.theme import Theme, ramp
+from stepfield_app.theme import COMPLEX_COLOUR, Theme, ramp, rgb
 
 Floats = NDArray[np.float64]
 #: What the blocks and surfaces can show, with the names offered to the operator.
@@ -67,6 +68,8 @@ class Wish:
         How often compartments are joined two by two before they are drawn: from afar nobody sees it.
     quick : bool
         Whether pillars and layers may be coarse: a hand moves, and the next picture comes soon.
+    meshed : Meshed or None
+        Complex parts of this result, drawn as a mesh in the reconstruction.
     """
 
     answer: Answer
@@ -79,6 +82,7 @@ class Wish:
     marks: Floats | None = None
     joined: int = 0
     quick: bool = False
+    meshed: Meshed | None = None
 
     @property
     def result(self) -> Reconstruction:
@@ -181,18 +185,26 @@ class Drawing:
     def _of_layers(self, wish: Wish) -> Picture:
         mode = wish.modes[RECONSTRUCTION]
         most, least = QUICK_BLOCKS if wish.quick else surfaces.MOST_PIXELS, 1 << wish.joined
-        return self._solid(
-            wish,
-            RECONSTRUCTION,
-            lambda: surfaces.surfaces(
-                wish.result, wish.origin, wish.colours, wish.visible, mode=mode, most=most, least=least
-            ),
-        )
+        meshed = wish.meshed
+        result = wish.result if meshed is None else meshed.rest_of(wish.result)
+
+        def make() -> tuple[Triangles, ...]:
+            drawn = surfaces.surfaces(
+                result, wish.origin, wish.colours, wish.visible, mode=mode, most=most, least=least
+            )
+            if meshed is None:
+                return drawn
+            span = blocks.local_span(wish.result, wish.origin) if mode == "height" else None
+            mesh = complex_mesh(meshed, wish.origin, span)
+            return tuple(surfaces.merged([level, mesh]) for level in drawn)
+
+        return self._solid(wish, RECONSTRUCTION, make)
 
     def _solid(self, wish: Wish, view: str, make: Callable[[], tuple[Triangles, ...]]) -> Picture:
         mode = wish.modes[view]
         detail = f"{wish.quick} {wish.joined}"
-        meshes = self._once(view, (wish.result, mode, wish.colours, wish.visible, detail), make)
+        meshed = wish.meshed if view == RECONSTRUCTION else None
+        meshes = self._once(view, (wish.result, mode, wish.colours, wish.visible, detail, meshed), make)
         legend = _heights(wish.result) if mode == "height" else _layers(wish, view)
         return Picture(_scene(wish, self._shown(wish), meshes=meshes), legend)
 
@@ -260,4 +272,6 @@ def _layers(wish: Wish, view: str) -> Legend:
     for index in sorted((index for index in wish.visible if index in names), reverse=True):
         red, green, blue = (int(part) for part in colours[index])
         entries.append(((red, green, blue), names[index]))
+    if wish.meshed is not None and view == RECONSTRUCTION:
+        entries.insert(0, (rgb(COMPLEX_COLOUR), "Complex parts"))
     return Legend("Layer", entries=tuple(entries))

@@ -18,6 +18,7 @@ from stepfield_app.render.scene import CLOUD, EMPTY, PILLARS, RECONSTRUCTION, VI
 from stepfield_app.requests import Answer
 from stepfield_app.scenes import colouring
 from stepfield_app.scenes.cloud import Cloud
+from stepfield_app.scenes.complex_parts import Meshed
 from stepfield_app.scenes.palette import layer_colours
 from stepfield_app.theme import DARK, Theme
 from stepfield_app.views.trio import Trio
@@ -38,6 +39,7 @@ class Choices:
     visible: tuple[int, ...] = ()
     theme: Theme = DARK
     marks: NDArray[np.float64] | None = None
+    meshed: Meshed | None = None
 
 
 class SceneFeed(QObject):
@@ -105,6 +107,12 @@ class SceneFeed(QObject):
         self._choices.marks = places
         self.ask()
 
+    def set_meshed(self, meshed: Meshed | None) -> None:
+        """Draw a mesh of complex parts in place of their pillars where it belongs to the result; or none."""
+        if meshed is not self._choices.meshed:
+            self._choices.meshed = meshed
+            self.ask()
+
     def close(self) -> None:
         """End the worker."""
         self._drawing.close()
@@ -121,9 +129,12 @@ class SceneFeed(QObject):
         colours = layer_colours(len(answer.result.layers), self._document.project.layers)
         views, modes = self._trio.shown, dict(choices.modes)
         look = choices.visible, choices.theme, choices.marks
+        meshed = choices.meshed if choices.meshed and choices.meshed.belongs_to(answer.result) else None
         joined = self._joined = self._joins(answer)
         self._drawing.ask(
-            Wish(answer, self.origin, views, modes, colours, *look, quick=is_held, joined=joined)
+            Wish(
+                answer, self.origin, views, modes, colours, *look, quick=is_held, joined=joined, meshed=meshed
+            )
         )
 
     def _joins(self, answer: Answer) -> int:

@@ -51,6 +51,17 @@ MAX_LAYERS = Described(
 LINK_STEP = Described(
     "link_step", "Link step", "Greatest height step at which two neighbouring pillars still belong together"
 )
+COMPLEX = Described(
+    "complex_parts",
+    "Complex parts",
+    "What becomes of what height-maps cannot hold, walls and rubble: a mesh of just that may stand in (7)",
+    "x",
+)
+COMPLEX_RESIDUAL = Described(
+    "complex_residual",
+    "Complex from",
+    "A pillar whose points are further from the surface than this is complex",
+)
 BITS = Described("bits", "Bits", "Bits of a pixel of the height-maps (Eq. 2 is 8)")
 PAD = Described("pad", "Padding", "Widen the images to powers of two, as most simulators ask")
 WHITE = Described(
@@ -66,6 +77,7 @@ OPTIONS: dict[str, tuple[tuple[str, Any], ...]] = {
         ("90th percentile", "p90"),
     ),
     "walls": (("like all pillars", "mean"), ("to their tops", "top"), ("as obstacles", "layer")),
+    "complex_parts": (("as height-maps", "off"), ("as a mesh", "mesh")),
     "max_layers": (("auto", "auto"), ("no limit", "none"), *((str(n), n) for n in range(1, 13))),
     "bits": (("16 bits", 16), ("8 bits", 8)),
     "pad": (("powers of two", "pow2"), ("none", "none")),
@@ -105,11 +117,13 @@ class ParametersPanel(QWidget):
         self.alpha = LengthRow(ALPHA, document, self)
         self.tolerance = LengthRow(TOLERANCE, document, self)
         self.link_step = LengthRow(LINK_STEP, document, self)
+        self.complex_residual = LengthRow(COMPLEX_RESIDUAL, document, self)
         self.min_points = CountRow(MIN_POINTS, MOST_POINTS, document, self)
-        described = (LAYERING, PILLAR_HEIGHT, WALLS, MAX_LAYERS, BITS, PAD, WHITE)
+        described = (LAYERING, PILLAR_HEIGHT, WALLS, MAX_LAYERS, COMPLEX, BITS, PAD, WHITE)
         self.choices = {each.name: ChoiceRow(each, OPTIONS[each.name], document, self) for each in described}
         self._rows: tuple[LengthRow | CountRow | ChoiceRow, ...] = (
             *(self.cell_size, self.alpha, self.tolerance, self.link_step, self.min_points),
+            self.complex_residual,
             *self.choices.values(),
         )
         guard = WheelGuard(self)
@@ -127,8 +141,9 @@ class ParametersPanel(QWidget):
         second = [self.choices[name] for name in ("layering", "pillar_height", "walls")]
         layout.addLayout(_grid([*first, *second]))
         more = QWidget()
-        rest = [self.choices[name] for name in ("max_layers", "bits", "pad", "range")]
-        more.setLayout(_grid([self.link_step, self.min_points, *rest]))
+        images = [self.choices[name] for name in ("bits", "pad", "range")]
+        meshed = [self.choices["complex_parts"], self.complex_residual]
+        more.setLayout(_grid([self.link_step, self.min_points, self.choices["max_layers"], *meshed, *images]))
         layout.addWidget(Fold("More", more))
         layout.addStretch(1)
         content.setLayout(layout)
@@ -147,7 +162,7 @@ class ParametersPanel(QWidget):
         if facts is not None:
             cells, heights = cell_range(facts), height_range(facts)
             self.cell_size.set_range(cells)
-            for row in (self.alpha, self.tolerance, self.link_step):
+            for row in (self.alpha, self.tolerance, self.link_step, self.complex_residual):
                 row.set_range(heights)
         self._show()
 

@@ -108,9 +108,14 @@ def _drawn(
     vertices = (mesh.vertices - corner).astype(np.float32)
     triangles = mesh.triangles.astype(np.int32)
     base = colours[layer] if span is None else ramp("height")[steps(vertices[:, 2], *span, 256)]
+    return shaded(vertices, triangles, base)
+
+
+def shaded(vertices: Singles, triangles: NDArray[np.int32], colours: Bytes) -> Triangles:
+    """Shade a surface, shape (V, 3), of one colour or one a vertex."""
     light = _light(vertices, triangles)
-    shaded = np.rint(base * light[:, np.newaxis]).astype(np.uint8).reshape(-1, 3)
-    return Triangles(frozen(vertices), frozen(triangles), frozen(shaded))
+    lit = np.rint(colours * light[:, np.newaxis]).astype(np.uint8).reshape(-1, 3)
+    return Triangles(frozen(vertices), frozen(triangles), frozen(lit))
 
 
 def _light(vertices: Singles, triangles: NDArray[np.int32]) -> Singles:

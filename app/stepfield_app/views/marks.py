@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QRectF, Qt, Signal
@@ -40,10 +42,17 @@ def colours(theme: Theme) -> tuple[str, ...]:
 
 
 class Marks(PixelItem):
-    """Marks compartments: dots from afar, frames from near by."""
+    """Marks compartments: dots from afar, frames from near by.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    inks : callable
+        Colours of the kinds of compartments in a theme; those of suspicious ones by default.
+    """
+
+    def __init__(self, inks: Callable[[Theme], tuple[str, ...]] = colours) -> None:
         super().__init__()
+        self._inks = inks
         self._cells: Cells | None = None
         self._theme = DARK
         self.setZValue(0.5)  # over the picture, under the selection
@@ -79,7 +88,7 @@ class Marks(PixelItem):
         if not len(seen):
             return
         side, kind = float(right[seen[0]] - left[seen[0]]), cells.kind[seen]
-        inks = np.array([rgb(colour) for colour in colours(self._theme)], np.uint8)
+        inks = np.array([rgb(colour) for colour in self._inks(self._theme)], np.uint8)
         if side >= FRAME_FROM * place.ratio:
             edges = [np.rint(edge[seen]).astype(np.int64) for edge in (left, top, right, bottom)]
             thick = max(1, round(THICK * place.ratio))
