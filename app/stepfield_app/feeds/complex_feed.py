@@ -36,7 +36,7 @@ class ComplexFeed(QObject):
 
     failed = Signal(object)  # exception
     progressed = Signal(float, str)
-    busy_changed = Signal(bool)
+    rested = Signal()
     #: What was meshed, one sentence without a full stop.
     told = Signal(str)
 
@@ -58,7 +58,7 @@ class ComplexFeed(QObject):
         self._meshing.answered.connect(self._take)
         self._meshing.failed.connect(lambda _, error: self.failed.emit(error))
         self._meshing.progressed.connect(self.progressed)
-        self._meshing.busy_changed.connect(self.busy_changed)
+        self._meshing.busy_changed.connect(lambda is_busy: None if is_busy else self.rested.emit())
         document.answer_changed.connect(self._follow)
         document.held_changed.connect(lambda is_held: None if is_held else self._want())
         map_view.picture_changed.connect(self._mark)
@@ -107,7 +107,7 @@ class ComplexFeed(QObject):
             self._show(meshed)
             parts = meshed.parts
             self.told.emit(
-                f"{counted(len(parts.mesh.triangles), 'triangle')} stand in for "
+                f"{counted(len(parts.mesh.triangles), 'triangle')} in place of "
                 f"{counted(parts.count, 'complex pillar')}"
             )
 
@@ -117,10 +117,8 @@ class ComplexFeed(QObject):
         self._mark()
 
     def _mark(self) -> None:
-        is_known = self.meshed is not None and self._map.layer >= 0
-        self._marks.set_cells(
-            complex_cells(self.meshed, self._map.layer) if is_known and self.meshed else None
-        )
+        meshed, layer = self.meshed, self._map.layer
+        self._marks.set_cells(complex_cells(meshed, layer) if meshed is not None and layer >= 0 else None)
 
 
 def _meshed(result: Reconstruction, progress: Progress) -> Meshed:

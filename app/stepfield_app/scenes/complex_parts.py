@@ -60,7 +60,8 @@ def complex_mesh(meshed: Meshed, origin: Floats, span: tuple[float, float] | Non
     colours = np.array(rgb(COMPLEX_COLOUR), np.uint8)
     if span is not None:
         colours = ramp("height")[steps(vertices[:, 2], *span, 256)]
-    return shaded(vertices, mesh.triangles.astype(np.int32), colours)
+    # Which side of it is solid is unknown where a scanner has seen but one.
+    return shaded(vertices, mesh.triangles.astype(np.int32), colours, both_sides=True)
 
 
 def complex_cells(meshed: Meshed, layer: int) -> Cells:

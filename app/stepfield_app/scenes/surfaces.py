@@ -111,14 +111,16 @@ def _drawn(
     return shaded(vertices, triangles, base)
 
 
-def shaded(vertices: Singles, triangles: NDArray[np.int32], colours: Bytes) -> Triangles:
-    """Shade a surface, shape (V, 3), of one colour or one a vertex."""
-    light = _light(vertices, triangles)
+def shaded(
+    vertices: Singles, triangles: NDArray[np.int32], colours: Bytes, *, both_sides: bool = False
+) -> Triangles:
+    """Shade a surface, shape (V, 3), of one colour or one a vertex; lit from its own side or from both."""
+    light = _light(vertices, triangles, both_sides=both_sides)
     lit = np.rint(colours * light[:, np.newaxis]).astype(np.uint8).reshape(-1, 3)
     return Triangles(frozen(vertices), frozen(triangles), frozen(lit))
 
 
-def _light(vertices: Singles, triangles: NDArray[np.int32]) -> Singles:
+def _light(vertices: Singles, triangles: NDArray[np.int32], *, both_sides: bool) -> Singles:
     """Light at each vertex by the average of its faces' normals, shape (V,), at most 1."""
     a, b, c = (vertices[triangles[:, i]] for i in range(3))
     faces = np.cross(b - a, c - a)
@@ -128,5 +130,7 @@ def _light(vertices: Singles, triangles: NDArray[np.int32]) -> Singles:
         normals[:, i] = np.bincount(triangles.ravel(), weights, minlength=len(vertices))
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     towards = normals @ (LIGHT / np.linalg.norm(LIGHT))
+    if both_sides:
+        towards = np.abs(towards)
     light: Singles = np.clip(AMBIENT + (1 - AMBIENT) * towards * 1.12, AMBIENT, 1)
     return light
