@@ -119,6 +119,11 @@ def limits(terrain: Terrain) -> list[str]:
             "terrains above each other in one zone have not been tried in UnrealEd: should an upper one "
             "fail, import it as a static mesh from the mesh target"
         )
+    if any(layer.is_obstacles for layer in terrain.layers):
+        found.append(
+            "a terrain has no sides: obstacles are surfaces at their tops; for solid ones import the mesh "
+            "target's as static meshes"
+        )
     if max(terrain.columns, terrain.rows) > GREATEST_SIDE:
         found.append(
             f"a height-map of UT2004 has at most {GREATEST_SIDE} samples a side, so that layers are cut into "

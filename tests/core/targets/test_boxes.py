@@ -17,6 +17,9 @@ from tests.core.walled import CELL, COLUMN, COLUMN_TOP, DOOR, LINTEL, TOLERANCE,
 from stepfield.parameters import Parameters
 from stepfield.pipeline import Pipeline
 from stepfield.scan.write import write
+from stepfield.simulate import worlds
+from stepfield.simulate.drive import drive
+from stepfield.simulate.route import Route, parse_commands, parse_start
 from stepfield.stack import write_stack
 from stepfield.targets.boxes import as_boxes, boxes, feet
 from stepfield.targets.terrain import Terrain, TerrainLayer
@@ -179,6 +182,20 @@ def test_a_ball_stops_at_walls_and_rolls_through_the_door_in_pybullet(exported: 
         pybullet.disconnect(client)
     assert end(way, place[0])
     assert place[2] == pytest.approx(BALL, abs=0.05)
+
+
+def test_the_robot_stops_at_the_wall_and_passes_the_door(room: Path) -> None:
+    """As it would in the building: through the wall's hole in the floor it would fall out of the world."""
+    pytest.importorskip("mujoco", reason="mujoco is not installed: no robot is driven")
+    terrain = Terrain.of_stack(room)
+    ends = {}
+    for way, y in (("wall", 0.9), ("door", sum(DOOR) / 2)):
+        route = Route(parse_start(f"1.8,{y},0,0.1", terrain), parse_commands("5,0.6,0"))
+        track = drive(worlds.of_stack(way, terrain, route.start), route)
+        assert not track.fell
+        ends[way] = track.positions[:, 0].max()
+    assert ends["wall"] < WALL
+    assert ends["door"] > WALL + 0.5
 
 
 def test_rays_meet_walls_lintel_and_column_in_mujoco(exported: Path) -> None:
