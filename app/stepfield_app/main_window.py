@@ -20,6 +20,7 @@ from stepfield_app.feeds.complex_feed import ComplexFeed
 from stepfield_app.feeds.demo_feed import DemoFeed
 from stepfield_app.feeds.lead import Lead
 from stepfield_app.feeds.plot_feed import PlotFeed
+from stepfield_app.feeds.recolour_feed import RecolourFeed
 from stepfield_app.feeds.scene_feed import SceneFeed
 from stepfield_app.feeds.selection_feed import SelectionFeed
 from stepfield_app.feeds.status_feed import StatusFeed
@@ -49,6 +50,8 @@ from stepfield_app.views.status import Status
 from stepfield_app.views.trio import Trio
 from stepfield_app.views.welcome import WelcomePage
 from stepfield_app.wording import advice
+
+Feed = SceneFeed | RecolourFeed | PlotFeed | StrayFeed | SelectionFeed | SuspectFeed | ComplexFeed
 
 #: Size of the window when nothing else is said.
 USUAL_SIZE = (1440, 900)
@@ -143,6 +146,7 @@ class MainWindow(QMainWindow):
 
     def _make_feeds(self) -> None:
         self.scene_feed = SceneFeed(self.document, self.trio, self.client)
+        self.recolour_feed = RecolourFeed(self.document, self.trio, self.client, self.scene_feed)
         self.plot_feed = PlotFeed(
             self.document, self.scene_feed, self.map, self.profile, self.histogram, self.layers
         )
@@ -165,12 +169,10 @@ class MainWindow(QMainWindow):
         self._centre.insertWidget(1, self.select_tools.strip)
 
     @property
-    def _feeds(
-        self,
-    ) -> tuple[SceneFeed | PlotFeed | StrayFeed | SelectionFeed | SuspectFeed | ComplexFeed, ...]:
+    def _feeds(self) -> tuple[Feed, ...]:
         """What asks workers for pictures, in the order in which it has to end."""
-        plans = self.suspect_feed, self.selection_feed, self.plot_feed
-        return *plans, self.stray_feed, self.complex_feed, self.scene_feed
+        plans = self.suspect_feed, self.selection_feed, self.plot_feed, self.stray_feed
+        return *plans, self.complex_feed, self.recolour_feed, self.scene_feed
 
     def _connect(self) -> None:
         document = self.document

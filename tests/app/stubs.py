@@ -31,6 +31,7 @@ class StubClient(QObject):
         self.scenes: dict[str, Scene] = dict.fromkeys(VIEWS, EMPTY)
         self.cameras: dict[str, tuple[Camera, Size, bool]] = {}
         self.frames: dict[str, Frame] = {}
+        self._drawn: dict[str, Scene] = {}
         self.outlines: dict[tuple[str, str], tuple[Singles | None, float]] = {}
         self.shown: tuple[str, ...] = ()
         self.background = (0, 0, 0)
@@ -54,8 +55,11 @@ class StubClient(QObject):
     def start(self) -> None:
         self.enter("running")
 
-    def set_scene(self, view: str, scene: Scene) -> None:
+    def set_scene(self, view: str, scene: Scene, *, in_full: bool = False) -> None:
         self.scenes[view] = scene
+
+    def drawn_scene(self, view: str) -> Scene:
+        return self._drawn.get(view, EMPTY)
 
     def set_outline(
         self, view: str, segments: Singles | None, *, kind: str = SELECTION, slack: float = 0.0
@@ -89,7 +93,7 @@ class StubClient(QObject):
 
     def deliver(self, view: str, frame: Frame) -> None:
         """Let a frame arrive."""
-        self.frames[view] = frame
+        self.frames[view], self._drawn[view] = frame, self.scenes[view]
         self.frame_arrived.emit(view)
 
     def say_it_rests(self, rests: bool) -> None:

@@ -21,7 +21,7 @@ PAUSE = 1.0
 
 
 def edit(window: MainWindow, report: Report, clock: Clock) -> Iterator[Wait]:
-    """Note how long each deed takes to the map and the panel, and to all views in full."""
+    """Note how long each deed takes to map and panel, to the 3-D views, and to all of them in full."""
     yield partial(settled, window)
     window.selection.set_reach("layer")
     window.document.set_active_layer(2)
@@ -47,7 +47,7 @@ def _timed(
     is_shown: Callable[[MainWindow], bool] | None = None,
 ) -> Iterator[Wait]:
     """Do something, and note when map and panel show it, when everything does, and the gaps meanwhile."""
-    found = report.setdefault(name, {"shown": [], "drawn": [], "gaps": []})
+    found = report.setdefault(name, {"shown": [], "seen": [], "drawn": [], "gaps": []})
     answered = Answered(window)
     clock.ticks.clear()
     begin = time.perf_counter()
@@ -56,6 +56,9 @@ def _timed(
     yield lambda: True  # it is painted before the next tick
     found["shown"].append(time.perf_counter() - begin)
     answered.end()
+    yield lambda: window.recolour_feed.is_current
+    yield lambda: True
+    found["seen"].append(time.perf_counter() - begin)
     yield partial(settled, window)
     found["drawn"].append(time.perf_counter() - begin)
     found["gaps"] += np.diff(clock.ticks).tolist()

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from stepfield.pillars import StepField
 from stepfield_app.document import Document
 from stepfield_app.facts import ScanFacts
 from stepfield_app.feeds.drawing import POINT_MODES, SOLID_MODES, Drawing, Drawn, Wish, joins_for
@@ -23,8 +25,9 @@ from stepfield_app.scenes.palette import layer_colours
 from stepfield_app.theme import DARK, Theme
 from stepfield_app.views.trio import Trio
 
-#: Milliseconds by which a result's map and layers go before its scenes: all want the same processors.
-COURTESY = 60
+#: Milliseconds by which a result's map, layers and recoloured pictures go before its scenes: all want the
+#: same processors.
+COURTESY = 120
 #: While a hand moves, rest this many times as long as the last scenes took: map and panels come first.
 RESTS = 8
 
@@ -54,6 +57,8 @@ class SceneFeed(QObject):
 
     failed = Signal(object)  # exception
     cloud_changed = Signal()
+    #: Scenes were handed to the renderer: the Wish and what was Drawn of it.
+    handed_over = Signal(object, object)
 
     def __init__(self, document: Document, trio: Trio, client: RenderClient) -> None:
         super().__init__(trio)
@@ -63,6 +68,7 @@ class SceneFeed(QObject):
         self.cloud: Cloud | None = None
         self._fits = self._is_late = self._owes_detail = False
         self._joined = 0
+        self._field: StepField | None = None  # what the scenes handed over last show
         self._breath = QTimer(self, singleShot=True)
         self._breath.timeout.connect(self._catch_up)
         self._courtesy = QTimer(self, singleShot=True, interval=COURTESY)
@@ -119,23 +125,27 @@ class SceneFeed(QObject):
 
     def ask(self) -> None:
         """Ask for the scenes of the views that are shown."""
-        answer, is_held = self._document.answer, self._document.held
+        is_held = self._document.held
         self._courtesy.stop()
-        self._owes_detail = is_held and answer is not None
+        wish = self.wish
+        self._owes_detail = is_held and wish is not None
         self._is_late = self._owes_detail and (self._drawing.busy or self._breath.isActive())
-        if answer is None or self._is_late:
-            return
-        choices = self._choices
+        if wish is not None and not self._is_late:
+            self._joined = wish.joined
+            self._drawing.ask(wish)
+
+    @property
+    def wish(self) -> Wish | None:
+        """What there is to draw now."""
+        answer, choices = self._document.answer, self._choices
+        if answer is None:
+            return None
         colours = layer_colours(len(answer.result.layers), self._document.project.layers)
         views, modes = self._trio.shown, dict(choices.modes)
         look = choices.visible, choices.theme, choices.marks
         meshed = choices.meshed if choices.meshed and choices.meshed.belongs_to(answer.result) else None
-        joined = self._joined = self._joins(answer)
-        self._drawing.ask(
-            Wish(
-                answer, self.origin, views, modes, colours, *look, quick=is_held, joined=joined, meshed=meshed
-            )
-        )
+        how = partial(Wish, quick=self._document.held, joined=self._joins(answer), meshed=meshed)
+        return how(answer, self.origin, views, modes, colours, *look)
 
     def _joins(self, answer: Answer) -> int:
         """How often compartments may be joined before anybody sees it, as near as the camera is."""
@@ -181,7 +191,7 @@ class SceneFeed(QObject):
         if answer is None:
             self._courtesy.stop()
             self._drawing.forget()
-            self.cloud = None
+            self.cloud = self._field = None
             for view in VIEWS:
                 self._client.set_scene(view, EMPTY)
         elif self._document.held:
@@ -211,12 +221,15 @@ class SceneFeed(QObject):
         if drawn.cloud is not self.cloud:
             self.cloud = drawn.cloud
             self.cloud_changed.emit()
+        field, self._field = self._field, wish.result.field
         for view, picture in drawn.pictures.items():
-            self._client.set_scene(view, picture.scene)
+            # What an edit made of the same pillars is on the screen already, in the right colours.
+            self._client.set_scene(view, picture.scene, in_full=field is self._field and not wish.quick)
             self._trio.canvases[view].set_legend(picture.legend)
             self._trio.set_bounds(picture.scene.low, picture.scene.high)
         if self._fits:
             self._fits = False
             self._trio.fit()
-        else:
+        elif wish.quick:
             self._trio.viewpoint.stir()
+        self.handed_over.emit(wish, drawn)

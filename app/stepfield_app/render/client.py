@@ -74,9 +74,9 @@ class RenderClient(QObject):
         """Start the drawing process; returns at once. Tries anew after a failure."""
         self._process.start()
 
-    def set_scene(self, view: str, scene: Scene) -> None:
-        """Show another scene in a view."""
-        self._views[view].set_scene(scene)
+    def set_scene(self, view: str, scene: Scene, *, in_full: bool = False) -> None:
+        """Show another scene in a view; ``in_full`` without a picture of less detail before."""
+        self._views[view].set_scene(scene, in_full=in_full)
         self._advance(view)
 
     def set_outline(
@@ -125,6 +125,10 @@ class RenderClient(QObject):
         Its picture is smaller than asked for where a slow device could not keep up with a moving hand.
         """
         return self._views[view].frame
+
+    def drawn_scene(self, view: str) -> Scene:
+        """Return what the newest frame of a view shows."""
+        return self._views[view].frame_scene
 
     def is_at_rest(self) -> bool:
         """Whether every visible view shows its newest scene and camera in full detail."""

@@ -25,6 +25,7 @@ class Asked:
     camera: Camera
     moving: bool
     wish: int
+    scene: Scene
     outlines: dict[str, Outline]
 
 
@@ -43,6 +44,7 @@ class View:
     size: Size = (1, 1)
     moving: bool = False
     frame: Frame | None = None
+    frame_scene: Scene = EMPTY
     _wish: int = 0
     _asked_quick: int = -1
     _asked_full: int = -1
@@ -51,11 +53,13 @@ class View:
     _asked: dict[int, Asked] = field(default_factory=dict)
     _numbers: count[int] = field(default_factory=count)
 
-    def set_scene(self, scene: Scene) -> None:
-        """Want another scene."""
+    def set_scene(self, scene: Scene, *, in_full: bool = False) -> None:
+        """Want another scene; ``in_full`` without a picture of less detail first."""
         if scene is not self.scene:
             self.scene = scene
             self.change()
+            if in_full and not self.moving:
+                self._asked_quick = self._wish
 
     def set_outline(self, kind: str, outline: Outline | None) -> None:
         """Want another outline of a kind, or none: the picture stays, and is painted over anew."""
@@ -103,7 +107,7 @@ class View:
         slot = self.slots.free(-(-frame_bytes(self.size) // ROOM) * ROOM)
         slot.asked = True
         number = next(self._numbers)
-        self._asked[number] = Asked(slot, self.camera, quick, self._wish, self.sent_outlines)
+        self._asked[number] = Asked(slot, self.camera, quick, self._wish, self.scene, self.sent_outlines)
         return Draw(self.name, number, camera_tree(self.camera), self.size, quick, str(slot.path))
 
     def take(self, drawn: Drawn) -> bool:
@@ -115,7 +119,7 @@ class View:
         pixels, depth = asked.slot.picture(drawn.size, drawn.depth)
         counts = drawn.points, drawn.triangles, drawn.covered
         self.frame = Frame(pixels, depth, asked.camera, drawn.moving, *counts, drawn.seconds)
-        self._painted = asked.outlines
+        self.frame_scene, self._painted = asked.scene, asked.outlines
         if not drawn.moving:
             self._finished = asked.wish
         return True

@@ -23,6 +23,7 @@ from stepfield_app.theme import DARK, Theme
 from stepfield_app.views import navigation
 from stepfield_app.views.lateness import UPDATING, Lateness
 from stepfield_app.views.overlay import Overlay, small_font
+from stepfield_app.views.recoloured import Recoloured
 from stepfield_app.views.tool import Grip
 from stepfield_app.views.viewpoint import Viewpoint
 
@@ -56,6 +57,8 @@ class Canvas(QWidget):
         self._theme, self._trouble = DARK, ""
         self._legend: Legend | None = None
         self._empty_text = ""
+        self.recoloured = Recoloured(self)
+        self.recoloured.changed.connect(self.update)
         self._lateness = Lateness(self)
         self._lateness.changed.connect(self.update)
         self._drag: navigation.Drag | None = None
@@ -97,7 +100,7 @@ class Canvas(QWidget):
     @property
     def frame(self) -> Frame | None:
         """The newest picture."""
-        return self._client.frame(self.name)
+        return self.recoloured.of(self._client.frame(self.name))
 
     @property
     def pixels(self) -> tuple[int, int]:
