@@ -39,6 +39,8 @@ class StepField:
         The pillar's top by the chosen statistic, before alpha.
     layer_tolerance : float
         That the pillars were parted by, metres.
+    share : float
+        Of the scan's points; less than 1 in a preview.
     """
 
     compartments: Compartments
@@ -47,6 +49,7 @@ class StepField:
     first: Integers
     elevation: Floats
     layer_tolerance: float = math.inf
+    share: float = 1.0
 
     def __len__(self) -> int:
         return len(self.compartment)
@@ -69,7 +72,7 @@ class StepField:
     @cached_property
     def vertical(self) -> NDArray[np.bool_]:
         """Whether each pillar is a wall or a column, shape (P,): see :mod:`stepfield.walls`; read-only."""
-        return walls.vertical(self.compartments, self.start, self.layer_tolerance)
+        return walls.vertical(self.compartments, self.start, self.layer_tolerance, self.share)
 
     def lows(self, chosen: NDArray[np.int64]) -> Floats:
         """Lowest points of some pillars, shape (n,)."""
@@ -100,7 +103,7 @@ class StepField:
 
 
 def build_pillars(
-    compartments: Compartments, layer_tolerance: float, statistic: Statistic = "mean"
+    compartments: Compartments, layer_tolerance: float, statistic: Statistic = "mean", share: float = 1.0
 ) -> StepField:
     """Part the points of each compartment where two elevations in a row differ by more than the tolerance.
 
@@ -111,6 +114,8 @@ def build_pillars(
         Metres.
     statistic : str
         What the pillar's elevation is; the paper's is the mean.
+    share : float
+        Of the scan's points that these are.
     """
     ticks, tick = compartments.ticks, compartments.tick
     # A gap of exactly the tolerance does not part; the tiny share forgives the rounding of tolerance / tick.
@@ -126,7 +131,7 @@ def build_pillars(
         elevation = _quantile(ticks, start, {"max": 1.0, "median": 0.5, "p90": 0.9}[statistic]) * tick
     for array in (start, compartment, first, elevation):
         array.flags.writeable = False
-    return StepField(compartments, start, compartment, first, elevation, layer_tolerance)
+    return StepField(compartments, start, compartment, first, elevation, layer_tolerance, share)
 
 
 def _quantile(ticks: NDArray[np.uint32], start: Integers, share: float) -> Floats:

@@ -96,7 +96,7 @@ class Pipeline:
         points, share = scan, 1.0
         if most_points is not None and most_points < len(scan.made):
             points, share = self._fewer(scan, most_points), most_points / len(scan.made)
-        field = self._step_field(points, parameters, part(progress, 0.55, 0.85))
+        field = self._step_field(points, parameters, share, part(progress, 0.55, 0.85))
         progress(0.85, "classifying pillars")
         automatic = self._classified(field, parameters, share)
         edited = self._edited(field, automatic, moves, part(progress, 0.85, 0.95))
@@ -181,7 +181,9 @@ class Pipeline:
             picked["complex_residual"] = suggest.complex_residual(_metres(cell))
         return parameters.model_copy(update=picked | {"unit": scan.made.unit})
 
-    def _step_field(self, scan: Stage[Scan], parameters: Parameters, progress: Progress) -> Stage[StepField]:
+    def _step_field(
+        self, scan: Stage[Scan], parameters: Parameters, share: float, progress: Progress
+    ) -> Stage[StepField]:
         """Sort the points into compartments and build the pillars (5.1, 5.3.2)."""
         cell, tolerance = _metres(parameters.cell_size), _metres(parameters.layer_tolerance)
         grid_under(scan.made, cell)  # an absurd cell size fails before anything is forgotten for it
@@ -192,10 +194,10 @@ class Pipeline:
         statistic, to_tops = parameters.pillar_height, parameters.walls != "mean"
 
         def build() -> StepField:
-            field = build_pillars(compartments.made, tolerance, statistic)
+            field = build_pillars(compartments.made, tolerance, statistic, share)
             return field.with_walls_to_their_tops() if to_tops else field
 
-        return self._once("field", compartments, (tolerance, statistic, to_tops), build)
+        return self._once("field", compartments, (tolerance, statistic, to_tops, share), build)
 
     def _classified(self, field: Stage[StepField], parameters: Parameters, share: float) -> Stage[Layering]:
         """Classify the pillars (5.3.3); a share of the points makes pillars of as few."""

@@ -20,7 +20,9 @@ Integers = NDArray[np.int64]
 STEEP = 2.0
 
 
-def vertical(compartments: Compartments, start: Integers, layer_tolerance: float) -> NDArray[np.bool_]:
+def vertical(
+    compartments: Compartments, start: Integers, layer_tolerance: float, share: float = 1.0
+) -> NDArray[np.bool_]:
     """Tell which pillars are vertical.
 
     Parameters
@@ -30,6 +32,8 @@ def vertical(compartments: Compartments, start: Integers, layer_tolerance: float
         Where each pillar's points begin.
     layer_tolerance : float
         Metres.
+    share : float
+        Of the scan's points that these are, in a preview: the next point up is as much further away.
 
     Returns
     -------
@@ -41,17 +45,17 @@ def vertical(compartments: Compartments, start: Integers, layer_tolerance: float
     least *= 1 + 1e-12
     ticks = compartments.ticks
     is_vertical: NDArray[np.bool_] = ticks[start[1:] - 1] - ticks[start[:-1]] > least
-    if layer_tolerance > cell:  # else no gap within a pillar is wider than a compartment
+    if layer_tolerance > cell / share:  # else no gap within a pillar is too wide
         high = np.flatnonzero(is_vertical)
-        is_vertical[high] = _run(compartments, start, high) > least
+        is_vertical[high] = _run(compartments, start, high, cell / share) > least
     is_vertical.flags.writeable = False
     return is_vertical
 
 
-def _run(compartments: Compartments, start: Integers, pillars: Integers) -> Integers:
+def _run(compartments: Compartments, start: Integers, pillars: Integers, step: float) -> Integers:
     """Ticks that the points of some pillars run upwards: from end to end without the wide gaps."""
     ticks, parts = compartments.ticks, compartments.parts
-    widest = int(min(compartments.grid.cell_size / compartments.tick * (1 + 1e-12), 2.0**32))
+    widest = int(min(step / compartments.tick * (1 + 1e-12), 2.0**32))
     gaps = np.where(parts.gap > np.uint64(widest), parts.gap, np.uint64(0)).astype(np.int64)
     below = np.append(0, np.cumsum(gaps))
     first, last = (np.searchsorted(parts.start, start[at]) for at in (pillars, pillars + 1))

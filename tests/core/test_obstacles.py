@@ -204,3 +204,19 @@ def test_check_finds_obstacles_without_or_with_wrong_lower_ends(room: Path, tmp_
     manifest["layers"][1]["bottom"] = None
     (folder / "manifest.json").write_text(json.dumps(manifest))
     assert any("bottom is None" in fault for fault in check_stack(folder).faults)
+
+
+@pytest.mark.parametrize("cell", [0.1, 0.15])
+def test_what_was_put_right_survives_another_cell_size(room: Path, cell: float) -> None:
+    """The lintel is a layer of its own, the column is ground: both stay so on another grid."""
+    result = built(room, walls="layer")
+    field = result.field
+    lintel, column = field.vertical & (field.low > 1), field.vertical & (field.high < TOP - 0.5)
+    moves = move_to(result, lintel, "Lintel").moves + move_to(result, column, 0).moves
+    other = built(room, moves, walls="layer", cell_size=cell)
+    assert all(outcome.resolved for outcome in other.outcomes)
+    assert [layer.name for layer in other.layers] == ["Layer 1", "Obstacles", "Lintel"]
+    assert [layer.is_obstacles for layer in other.layers] == [False, True, False]
+    low = other.field.low
+    assert (low[other.layers[2].pillars] > 1).all()
+    assert (other.field.high[other.layers[0].pillars] > 1).any()

@@ -11,11 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from tests.conftest import scan_of
+from tests.core.walled import CELL, TOLERANCE, walled
 
 from stepfield.compartments import sort_into_compartments
 from stepfield.parameters import Parameters
 from stepfield.pillars import StepField, build_pillars
 from stepfield.pipeline import Pipeline
+from stepfield.scan.write import write
 from stepfield.synth import synthesise
 
 Floats = NDArray[np.float64]
@@ -129,6 +131,17 @@ def test_real_walls_and_facades_are_found(
     """The shares were looked at: room walls and shelves, facades and trees."""
     result = Pipeline().run([real_scan(name)], Parameters())
     assert least < result.field.vertical.mean() < most
+
+
+def test_a_preview_knows_the_walls_of_the_whole_scan(tmp_path: Path) -> None:
+    """Fewer points lie further apart: walls that vanished while a hand moves would flicker."""
+    write(tmp_path / "room.ply", walled(), {})
+    pipeline, parameters = Pipeline(), Parameters(cell_size=CELL, layer_tolerance=TOLERANCE)
+    exact = pipeline.run([tmp_path / "room.ply"], parameters).field
+    preview = pipeline.run([tmp_path / "room.ply"], parameters, most_points=len(walled()) // 6).field
+    found = np.isin(exact.compartment[exact.vertical], preview.compartment[preview.vertical])
+    assert found.mean() > 0.6
+    assert np.isin(preview.compartment[preview.vertical], exact.compartment[exact.vertical]).all()
 
 
 def test_walls_to_their_tops_change_nothing_else() -> None:
