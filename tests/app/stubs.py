@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Signal
 from pytestqt.qtbot import QtBot
 
@@ -51,6 +53,9 @@ class StubClient(QObject):
     @property
     def process_id(self) -> int:
         return 0
+
+    def share(self, array: NDArray[Any]) -> NDArray[Any]:
+        return array
 
     def start(self) -> None:
         self.enter("running")

@@ -13,6 +13,7 @@ from stepfield_app.render import protocol, store
 from stepfield_app.render.camera import Camera
 from stepfield_app.render.protocol import Draw, Drawn, arrays_of, line, message, scene_of, scene_tree
 from stepfield_app.render.scene import Lines, Points, Scene, Triangles
+from stepfield_app.render.shared import LEAST, Shared
 from stepfield_app.render.slots import Slots
 from stepfield_app.render.store import PREFIX, Store, mapped
 
@@ -30,6 +31,38 @@ def test_arrays_come_back_as_they_were() -> None:
         assert back.size == 0 or not back.flags.writeable
     shelf.close()
     assert not any(folder.exists() for folder in shelf.folders)
+
+
+def test_a_shared_array_is_in_its_file_for_as_long_as_somebody_has_it() -> None:
+    files = Store()
+    shelf = Shared(files)
+    given = np.arange(3 * LEAST, dtype=np.float32).reshape(-1, 3)
+    array = shelf.share(given)
+    where = shelf.where(array)
+    assert where is not None
+    assert array.dtype == given.dtype
+    assert np.array_equal(array, given)
+    assert not array.flags.writeable
+    assert np.array_equal(mapped(where), given), "the drawing process reads something else"
+    assert shelf.share(array) is array, "it is shared already"
+    assert Path(where["file"]).exists()
+    del array
+    assert not Path(where["file"]).exists(), "nobody has the array, and the file stays"
+    small = np.zeros(3)
+    assert shelf.share(small) is small
+    assert shelf.where(small) is None
+    files.close()
+
+
+def test_without_room_an_array_stays_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(store: Store, array: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    files = Store()
+    monkeypatch.setattr(Store, "write", full)
+    given = np.zeros(LEAST)
+    assert Shared(files).share(given) is given
+    files.close()
 
 
 def test_what_a_killed_window_left_is_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -25,6 +25,7 @@ from stepfield_app.scenes.legend import Legend
 from stepfield_app.scenes.thinned import stride_for
 from stepfield_app.theme import COMPLEX_COLOUR, Theme, ramp, rgb
 
+Array = NDArray[Any]
 Floats = NDArray[np.float64]
 #: What the blocks and surfaces can show, with the names offered to the operator.
 SOLID_MODES = (("layer", "Layer"), ("height", "Height"))
@@ -112,9 +113,15 @@ class Drawing:
 
     The cloud is kept while its scan is the same: it is by far the largest part. A preview, which has only
     some of the points, leaves it as it is.
+
+    Parameters
+    ----------
+    share : callable
+        Puts a large array where the drawing process can read it; see :class:`RenderClient`.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, share: Callable[[Array], Array]) -> None:
+        self._share = share
         self._cloud: Cloud | None = None
         self._parts: dict[str, tuple[tuple[Any, ...], Any]] = {}
 
@@ -154,7 +161,8 @@ class Drawing:
     def _placed(self, scan: Scan, origin: Floats) -> Cloud:
         def make() -> Cloud:
             self._cloud = None  # the old places go before the new ones take their memory
-            return cloud(scan, origin)
+            made = cloud(scan, origin)
+            return replace(made, places=self._share(made.places))
 
         placed: Cloud = self._once("places", (scan, origin), make)
         return placed
@@ -163,11 +171,12 @@ class Drawing:
         mode = wish.modes[CLOUD]
         of_layers = (wish.result, wish.colours) if mode == "layer" else ()
         plain = wish.theme.muted
-        made: colouring.Colouring = self._once(
-            "colours",
-            (scan, mode, plain, *of_layers),
-            lambda: colouring.coloured(scan, mode, result=wish.result, colours=wish.colours, plain=plain),
-        )
+
+        def make() -> colouring.Colouring:
+            made = colouring.coloured(scan, mode, result=wish.result, colours=wish.colours, plain=plain)
+            return replace(made, codes=self._share(made.codes))
+
+        made: colouring.Colouring = self._once("colours", (scan, mode, plain, *of_layers), make)
         return made
 
     def _of_pillars(self, wish: Wish) -> Picture:
@@ -204,9 +213,14 @@ class Drawing:
         mode = wish.modes[view]
         detail = f"{wish.quick} {wish.joined}"
         meshed = wish.meshed if view == RECONSTRUCTION else None
-        meshes = self._once(view, (wish.result, mode, wish.colours, wish.visible, detail, meshed), make)
+        key = wish.result, mode, wish.colours, wish.visible, detail, meshed
+        meshes = self._once(view, key, lambda: tuple(self._shared(mesh) for mesh in make()))
         legend = _heights(wish.result) if mode == "height" else _layers(wish, view)
         return Picture(_scene(wish, self._shown(wish), meshes=meshes), legend)
+
+    def _shared(self, mesh: Triangles) -> Triangles:
+        share = self._share
+        return Triangles(share(mesh.vertices), share(mesh.triangles), share(mesh.colours), mesh.solid)
 
     def _once(self, name: str, key: tuple[Any, ...], make: Callable[[], Any]) -> Any:
         """Make a part unless it was made from these very values last time; keeping them keeps them apart."""

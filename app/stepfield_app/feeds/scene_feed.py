@@ -73,7 +73,7 @@ class SceneFeed(QObject):
         self._breath.timeout.connect(self._catch_up)
         self._courtesy = QTimer(self, singleShot=True, interval=COURTESY)
         self._courtesy.timeout.connect(self.ask)
-        self._drawing = NewestWins[Wish, Drawn](Drawing(), "drawing", self)
+        self._drawing = NewestWins[Wish, Drawn](Drawing(client.share), "drawing", self)
         self._drawing.answered.connect(self._show)
         self._drawing.failed.connect(lambda _, error: self.failed.emit(error))
         document.facts_changed.connect(self._place)

@@ -74,6 +74,10 @@ class RenderClient(QObject):
         """Start the drawing process; returns at once. Tries anew after a failure."""
         self._process.start()
 
+    def share(self, array: Array) -> Array:
+        """Return a large array as one that needs no copy for the drawing process; on any thread."""
+        return self._shelf.share(array)
+
     def set_scene(self, view: str, scene: Scene, *, in_full: bool = False) -> None:
         """Show another scene in a view; ``in_full`` without a picture of less detail before."""
         self._views[view].set_scene(scene, in_full=in_full)

@@ -10,6 +10,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Qt, Signal
 
 from stepfield_app.render.protocol import Array
+from stepfield_app.render.shared import Shared
 from stepfield_app.render.store import Store
 
 #: Arrays up to so many bytes are written at once; larger ones by a thread.
@@ -34,19 +35,20 @@ class Shelf(QObject):
 
     def __init__(self, store: Store, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self._store = store
+        self._store, self._shared = store, Shared(store)
+        self.share = self._shared.share
         self._entries: dict[int, Entry] = {}
         self._writer = ThreadPoolExecutor(1, "shelf")
         self._done.connect(self._note, Qt.ConnectionType.QueuedConnection)
 
     def has(self, arrays: Iterable[Array]) -> bool:
         """Whether all are written; begin with those that are not."""
-        entries = [self._entry(array) for array in arrays]
+        entries = [self._entry(array) for array in arrays if not self._shared.where(array)]
         return all(entry.where is not None for entry in entries)
 
     def where(self, array: Array) -> dict[str, Any]:
         """Say where a written array is."""
-        where = self._entries[id(array)].where
+        where = self._shared.where(array) or self._entries[id(array)].where
         assert where is not None
         return where
 
