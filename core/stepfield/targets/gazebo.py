@@ -11,6 +11,7 @@ import numpy as np
 from stepfield.stack.write import save_gray
 from stepfield.surface import Mesh
 from stepfield.targets.boxes import as_boxes
+from stepfield.targets.complexmesh import LABEL, TITLE
 from stepfield.targets.meshfiles import Titled, save
 from stepfield.targets.sdf import Heightmap, MeshShape, Model, config, model, world
 from stepfield.targets.target import Options, Written, without_surface
@@ -19,6 +20,8 @@ from stepfield.targets.text import as_word, number, numbers, readme, write_text
 from stepfield.targets.thickening import thickened
 
 WORLD, MESHES_ONLY = "world.sdf", "world_meshes.sdf"
+#: The mesh of the complex parts in its model.
+COMPLEX_MESH = f"meshes/{LABEL}.stl"
 #: Where Gazebo is told to look for models.
 MODELS = "models"
 #: How far meshes may be from the layer's surface, metres: coplanar triangles become one, little else.
@@ -88,6 +91,14 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
             _save_mesh(folder / MODELS / made.name / _mesh_name(layer), terrain, layer, options)
             files.append(f"{MODELS}/{made.name}/{_mesh_name(layer)}")
             models.append(made)
+    if terrain.complex_mesh is not None:
+        made = _complex_model(terrain)
+        files += _write_model(terrain, folder, made)
+        path = folder / MODELS / made.name / COMPLEX_MESH
+        path.parent.mkdir(parents=True)
+        save(path, terrain.complex_mesh, Titled(TITLE, terrain.local_origin))
+        files.append(f"{MODELS}/{made.name}/{COMPLEX_MESH}")
+        models.append(made)
     files += _write_worlds(terrain, folder, models)
     notes = limits(terrain)
     text = readme(terrain, "Gazebo", _steps(terrain, options, [made.name for made in models]), notes)
@@ -142,6 +153,11 @@ def _write_model(terrain: Terrain, folder: Path, made: Model) -> list[str]:
 def _mesh_model(terrain: Terrain, layer: TerrainLayer) -> Model:
     name = _model_name(terrain, layer)
     return Model(name, layer.name, layer.index, MeshShape(f"model://{name}/{_mesh_name(layer)}"))
+
+
+def _complex_model(terrain: Terrain) -> Model:
+    name = f"{_word(terrain)}_{LABEL}"
+    return Model(name, TITLE, len(terrain.layers), MeshShape(f"model://{name}/{COMPLEX_MESH}"))
 
 
 def _heightmap_model(terrain: Terrain, layer: TerrainLayer, square: Square) -> Model:

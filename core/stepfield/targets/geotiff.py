@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.files import one_line
+from stepfield.targets.complexmesh import left_out
 from stepfield.targets.target import Options, Written
 from stepfield.targets.terrain import Terrain, TerrainLayer
 from stepfield.targets.text import number, readme, write_text
@@ -33,7 +34,11 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
 
 
 def limits(terrain: Terrain) -> list[str]:
-    """Say whether the rasters lack a coordinate reference system."""
+    """Say whether the rasters lack a coordinate reference system, and what they cannot hold."""
+    return _about_crs(terrain) + left_out(terrain)
+
+
+def _about_crs(terrain: Terrain) -> list[str]:
     if terrain.manifest.source.up != "z":
         return ["the scan was turned, so its coordinate reference system no longer holds and is left out"]
     if terrain.crs is None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from stepfield.surface import Mesh
 from stepfield.targets.boxes import as_boxes
+from stepfield.targets.complexmesh import LABEL, TITLE
 from stepfield.targets.meshfiles import Titled, save
 from stepfield.targets.target import Options, Written, without_surface
 from stepfield.targets.terrain import Terrain, TerrainLayer
@@ -30,9 +31,13 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
             (f"{DECIMATED}/", _surface(terrain, layer, bound)),
         ):
             closed = sheet if layer.is_obstacles else _closed(sheet, options)
-            files += _save(folder, f"{place}{layer.label}", terrain, layer, closed)
+            title = Titled(layer.name, terrain.local_origin)
+            files += _save(folder, f"{place}{layer.label}", title, closed)
             sizes.append(len(sheet.triangles))
         counts.append(f"{layer.label}  {sizes[0]} triangles, decimated {sizes[1]}")
+    if terrain.complex_mesh is not None:
+        files += _save(folder, LABEL, Titled(TITLE, terrain.local_origin), terrain.complex_mesh)
+        counts.append(f"{LABEL}  {len(terrain.complex_mesh.triangles)} triangles")
     notes = limits(terrain)
     text = readme(terrain, "Meshes", _steps(terrain, bound, options, counts), notes)
     write_text(folder / "README.txt", text)
@@ -59,11 +64,10 @@ def _closed(sheet: Mesh, options: Options) -> Mesh:
     return sheet if options.thicken is None else thickened(sheet, options.thicken)
 
 
-def _save(folder: Path, stem: str, terrain: Terrain, layer: TerrainLayer, mesh: Mesh) -> Iterator[str]:
+def _save(folder: Path, stem: str, title: Titled, mesh: Mesh) -> Iterator[str]:
     """Write a mesh in every format, unless it is empty, and name the files."""
     if not len(mesh.triangles):
         return
-    title = Titled(layer.name, terrain.local_origin)
     for suffix in SUFFIXES:
         path = folder / f"{stem}{suffix}"
         path.parent.mkdir(exist_ok=True)
@@ -83,6 +87,7 @@ def _steps(terrain: Terrain, bound: float, options: Options, counts: list[str]) 
             "layer_NN.obj, .stl, .ply (z up)",
             *_about_surface(terrain),
             "Layers of obstacles are closed boxes from where each wall or column begins to its top.",
+            *_about_complex(terrain),
             kind,
             "Tell a physics engine that it is a triangle mesh: a convex hull would fill the holes.",
             "",
@@ -92,6 +97,15 @@ def _steps(terrain: Terrain, bound: float, options: Options, counts: list[str]) 
             *counts,
         ]
     )
+
+
+def _about_complex(terrain: Terrain) -> list[str]:
+    if terrain.complex_mesh is None:
+        return []
+    return [
+        f"{LABEL}.glb, .obj, .stl, .ply hold what height-maps cannot, meshed from its points; the layers",
+        "have holes there, and the mesh reaches a compartment beyond them.",
+    ]
 
 
 def _about_surface(terrain: Terrain) -> list[str]:

@@ -15,6 +15,7 @@ import numpy as np
 
 from stepfield.errors import TargetError
 from stepfield.targets.boxes import Box, boxes
+from stepfield.targets.mujococomplex import ComplexPart
 from stepfield.targets.squares import squares
 from stepfield.targets.target import Options, Written
 from stepfield.targets.terrain import Raster, Terrain, TerrainLayer
@@ -54,10 +55,11 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
     """Write the scene, its binaries and a README; raise TargetError where there are too many holes."""
     folder.mkdir(parents=True, exist_ok=True)
     pieces = [_pieces(terrain, layer, folder) for layer in terrain.layers]
-    write_text(folder / SCENE, _scene(terrain, pieces))
-    notes = (*limits(terrain), *_counts(terrain, pieces))
+    extra = ComplexPart.of(terrain, folder)
+    write_text(folder / SCENE, _scene(terrain, pieces, extra))
+    notes = (*limits(terrain), *_counts(terrain, pieces), *extra.notes)
     write_text(folder / "README.txt", readme(terrain, "MuJoCo", _steps(terrain, pieces), notes))
-    binaries = [piece.file for layer in pieces for piece in layer if piece.file]
+    binaries = [*(piece.file for layer in pieces for piece in layer if piece.file), *extra.files]
     return Written((SCENE, *binaries, "README.txt"), notes)
 
 
@@ -181,19 +183,22 @@ def _exact(value: float) -> str:
 # ---- scene -----------------------------------------------------------------------------------------
 
 
-def _scene(terrain: Terrain, pieces: list[list[_Piece]]) -> str:
+def _scene(terrain: Terrain, pieces: list[list[_Piece]], extra: ComplexPart) -> str:
     return "\n".join(
         [
             f'<mujoco model="{in_xml(as_word(terrain.name) or "terrain")}">',
             *_look(terrain),
             "  <default>",
             *(f"    {_default(layer)}" for layer in terrain.layers),
+            *(f"    {line}" for line in extra.defaults),
             "  </default>",
             "  <asset>",
             *(f"    {line}" for line in _assets(terrain, pieces)),
+            *(f"    {line}" for line in extra.assets),
             "  </asset>",
             "  <worldbody>",
             *(f"    {line}" for line in _geometries(pieces)),
+            *(f"    {line}" for line in extra.geometries),
             "  </worldbody>",
             "</mujoco>",
             "",

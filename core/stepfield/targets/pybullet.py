@@ -14,7 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stepfield.surface import Mesh
 from stepfield.targets.boxes import boxes
+from stepfield.targets.complexmesh import LABEL, TITLE
 from stepfield.targets.pybulletscripts import FROM_RASTERS, FROM_TRIANGLES
 from stepfield.targets.target import Options, Written
 from stepfield.targets.terrain import Terrain, TerrainLayer
@@ -32,8 +34,9 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
     """Write the rasters, what they mean, the loader and a README."""
     bound = CLOSE if options.decimate is None else options.decimate
     entries = [_layer(terrain, layer, bound, folder) for layer in terrain.layers]
-    files = [file for entry in entries for file in entry.values()]
-    write_text(folder / PLACES, _places(terrain, entries))
+    complex_files = {} if terrain.complex_mesh is None else _triangles(folder, LABEL, terrain.complex_mesh)
+    files = [file for entry in (*entries, complex_files) for file in entry.values()]
+    write_text(folder / PLACES, _places(terrain, entries, complex_files))
     write_text(folder / SCRIPT, FROM_TRIANGLES if terrain.reconstruction == "edges" else FROM_RASTERS)
     notes = tuple(limits(terrain))
     write_text(folder / "README.txt", readme(terrain, "PyBullet", _steps(terrain, bound), notes))
@@ -46,9 +49,12 @@ def _layer(terrain: Terrain, layer: TerrainLayer, bound: float, folder: Path) ->
         return _save(folder, f"{layer.label}_boxes.npy", "boxes", _solids(terrain, layer))
     if terrain.reconstruction == "simulator":
         return _save(folder, f"{layer.label}.npy", "file", layer.elevations.astype("<f4"))
-    mesh = terrain.surface(layer, bound)
-    corners = _save(folder, f"{layer.label}_vertices.npy", "vertices", mesh.vertices.astype("<f4"))
-    return corners | _save(folder, f"{layer.label}_triangles.npy", "triangles", mesh.triangles.astype("<i4"))
+    return _triangles(folder, layer.label, terrain.surface(layer, bound))
+
+
+def _triangles(folder: Path, label: str, mesh: Mesh) -> dict[str, str]:
+    corners = _save(folder, f"{label}_vertices.npy", "vertices", mesh.vertices.astype("<f4"))
+    return corners | _save(folder, f"{label}_triangles.npy", "triangles", mesh.triangles.astype("<i4"))
 
 
 def _save(folder: Path, file: str, what: str, values: NDArray[Any]) -> dict[str, str]:
@@ -71,11 +77,13 @@ def limits(terrain: Terrain) -> list[str]:
     ]
 
 
-def _places(terrain: Terrain, entries: Sequence[dict[str, str]]) -> str:
+def _places(terrain: Terrain, entries: Sequence[dict[str, str]], complex_files: dict[str, str]) -> str:
     layers = [
         {"label": layer.label, "name": layer.name} | files
         for files, layer in zip(entries, terrain.layers, strict=True)
     ]
+    if complex_files:
+        layers.append({"label": LABEL, "name": TITLE} | complex_files)
     values = {
         "name": terrain.name,
         "cell_size": terrain.cell_size,
@@ -109,6 +117,7 @@ and {number(max(1.0, round(samples * MEMORY)))} MB.
 The files
 {_about_files(terrain, bound)}
 layer_NN_boxes.npy   obstacles: x, y, z of the middle of every box, and half its size
+{LABEL}_vertices.npy, {LABEL}_triangles.npy   what height-maps cannot hold, where the stack has any of it
 {PLACES}     cell size, place of the north-west sample, local_origin, names
 {SCRIPT}  needs numpy and pybullet only
 """

@@ -31,6 +31,11 @@ def load(client=0, offset=(0.0, 0.0, 0.0), visible=True, folder=HERE):
             solids = np.load(folder / layer["boxes"]).reshape(-1, 2, 3)
             bodies[layer["label"]] = [box(place + offset, half, tint, client) for place, half in solids]
             continue
+        if "vertices" in layer:
+            corners, triangles = (np.load(folder / layer[part]) for part in ("vertices", "triangles"))
+            pieces = cut(corners + offset, triangles, stack["cell_size"])
+            bodies[layer["label"]] = [body(*piece, tint, client) for piece in pieces]
+            continue
         raster = np.load(folder / layer["file"]).astype(float)
         made = [body(*tile, tint, client) for tile in tiles(raster, corner, stack["cell_size"])]
         bodies[layer["label"]] = made
@@ -63,8 +68,7 @@ def mesh(raster, cell_size):
 
 '''
 
-_OF_TRIANGLES = '''TILE = 160  # compartments along a side: a body may have 131072 vertices
-
+_OF_TRIANGLES = '''
 
 def load(client=0, offset=(0.0, 0.0, 0.0), visible=True, folder=HERE):
     """Load every layer, moved by ``offset`` (metres); return the bodies of each by its label.
@@ -81,15 +85,20 @@ def load(client=0, offset=(0.0, 0.0, 0.0), visible=True, folder=HERE):
             bodies[layer["label"]] = [box(place + offset, half, tint, client) for place, half in solids]
             continue
         vertices, triangles = (np.load(folder / layer[part]) for part in ("vertices", "triangles"))
-        made = [body(*tile, tint, client) for tile in tiles(vertices + offset, triangles, stack["cell_size"])]
+        made = [body(*piece, tint, client) for piece in cut(vertices + offset, triangles, stack["cell_size"])]
         bodies[layer["label"]] = made
     return bodies
 
 
-def tiles(vertices, triangles, cell_size):
-    """Yield place, vertices and triangles of every square piece of a layer."""
+'''
+
+_TAIL = '''PIECE = 160  # compartments along a side: a body may have 131072 vertices
+
+
+def cut(vertices, triangles, cell_size):
+    """Yield place, vertices and triangles of every square piece of a mesh."""
     west_south = vertices[:, :2].min(axis=0, initial=np.inf)
-    row, column = np.floor((vertices[triangles, :2].min(axis=1) - west_south) / (TILE * cell_size) + 1e-6).T
+    row, column = np.floor((vertices[triangles, :2].min(axis=1) - west_south) / (PIECE * cell_size) + 1e-6).T
     piece = row * (column.max(initial=0) + 1) + column
     order = np.argsort(piece, kind="stable")
     for chosen in np.split(order, np.flatnonzero(np.diff(piece[order])) + 1):
@@ -100,9 +109,7 @@ def tiles(vertices, triangles, cell_size):
             yield middle, part - middle, corners.reshape(-1, 3)
 
 
-'''
-
-_TAIL = '''def body(place, vertices, triangles, colour, client):
+def body(place, vertices, triangles, colour, client):
     """Make one static body; concave, or else Bullet would fill it up to its convex hull."""
     mesh = {"vertices": vertices.tolist(), "indices": triangles.ravel().tolist(), "physicsClientId": client}
     concave = pybullet.GEOM_FORCE_CONCAVE_TRIMESH
@@ -128,7 +135,7 @@ def normals(vertices, triangles):
     faces, sums = np.cross(b - a, c - a), np.zeros_like(vertices)
     for i in range(3):
         np.add.at(sums, triangles[:, i], faces)
-    return sums / np.linalg.norm(sums, axis=1, keepdims=True)
+    return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-30)
 
 
 if __name__ == "__main__":

@@ -115,6 +115,8 @@ class Terrain:
     reconstruction : str
         ``edges``: surfaces cover exactly the compartments of their pillars; ``simulator``: a vertex a
         sample, a quad where four neighbours are there.
+    complex_mesh : Mesh or None
+        What stands in for pillars that height-maps cannot hold, where the stack has any; local, metres.
     """
 
     name: str
@@ -131,6 +133,7 @@ class Terrain:
     unit_factor: float
     manifest: Manifest = field(repr=False)
     reconstruction: Way = "simulator"
+    complex_mesh: Mesh | None = None
 
     @classmethod
     def of_stack(cls, folder: Path, reconstruction: Way | None = None) -> Terrain:
@@ -161,6 +164,7 @@ class Terrain:
             unit_factor=manifest.source.unit_factor,
             manifest=manifest,
             reconstruction=reconstruction or manifest.parameters.reconstruction,
+            complex_mesh=_complex_mesh(stack, origin),
         )
 
     @property
@@ -240,6 +244,14 @@ def _local_origin(grid: Grid, manifest: Manifest) -> tuple[float, float, float]:
     heights = (manifest.base_elevation, manifest.base_elevation + manifest.max_height)
     x, y = (math.floor(v) for v in plan[:2]) if _is_far(plan) else (0, 0)
     return float(x), float(y), float(math.floor(heights[0]) if _is_far(heights) else 0)
+
+
+def _complex_mesh(stack: Stack, origin: tuple[float, float, float]) -> Mesh | None:
+    """Return the mesh of the complex parts in local coordinates; None where there is nothing of it."""
+    mesh = stack.complex_mesh()
+    if mesh is None or not len(mesh.triangles):
+        return None
+    return Mesh(mesh.vertices - np.array(origin), mesh.triangles)
 
 
 def _is_far(coordinates: tuple[float, ...]) -> bool:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stepfield.errors import TargetError
 from stepfield.heightmap import GrayScale
 from stepfield.stack.write import save_gray
+from stepfield.targets.complexmesh import left_out
 from stepfield.targets.filling import nearest
 from stepfield.targets.target import Options, Written, without_surface
 from stepfield.targets.terrain import Raster, Terrain, TerrainLayer
@@ -113,7 +114,7 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
 
 def limits(terrain: Terrain) -> list[str]:
     """Say what TerrainInfo makes of several layers and of large ones."""
-    found = without_surface(terrain, vertices=True)
+    found = without_surface(terrain, vertices=True) + left_out(terrain)
     if len(terrain.layers) > 1:
         found.append(
             "terrains above each other in one zone have not been tried in UnrealEd: should an upper one "
