@@ -66,6 +66,8 @@ UNASSIGNED_COLOUR = "#8a8f98"
 
 #: What a mesh stands in for, where height-maps fail: unlike any layer, on both grounds.
 COMPLEX_COLOUR = "#b4e61e"
+#: Hatches walls on the map: in no ramp of heights, and not what a slope in shadow looks like.
+WALL_COLOUR = "#f03c32"
 
 #: Outlines show on every colour and in both themes: light ones, of a selection or of a place that is pointed
 #: out, with something dark around them.

@@ -68,7 +68,7 @@ class LayerRow:
     @property
     def _walls(self) -> str:
         if self.summary.is_obstacles:
-            return ", obstacles"
+            return ", walls and columns"
         return f", {grouped(self.summary.vertical)} of them vertical" if self.summary.vertical else ""
 
 

@@ -19,7 +19,7 @@ from stepfield.reconstruction import Reconstruction
 from stepfield_app.scenes.arrays import frozen, robust_range, steps
 from stepfield_app.scenes.legend import Legend
 from stepfield_app.scenes.thinned import Pixels, pixels
-from stepfield_app.theme import ramp
+from stepfield_app.theme import WALL_COLOUR, ramp, rgb
 
 Bytes = NDArray[np.uint8]
 Singles = NDArray[np.float32]
@@ -29,8 +29,8 @@ Mode = Literal["gray", "colour", "hillshade"]
 
 #: Where the light of the hillshade comes from: the north-west, half-way up.
 LIGHT = (-0.5, 0.5, 0.7071)
-#: Every so manieth diagonal of a wall's pixels is dark, and has so much light left.
-HATCH, HATCH_LIGHT = 3, 0.45
+#: Every so manieth diagonal of a wall's pixels is hatched.
+HATCH = 2
 #: Light that a slope facing away still has.
 AMBIENT = 0.35
 
@@ -87,7 +87,7 @@ def raster(
     if mode == "hillshade":
         shade = hillshade(heights, grid.cell_size)
         colours = np.rint(colours * shade[:, :, np.newaxis]).astype(np.uint8)
-    note = "hatched: wall" if _hatch(colours, result, layer, part) else ""
+    note = "red: wall" if _hatch(colours, result, layer, part) else ""
     legend = Legend("Elevation", "m", ramp("height"), low=low, high=high, note=note)
     return Raster(_opaque(colours, heights), heights, legend)
 
@@ -98,9 +98,8 @@ def _hatch(colours: Bytes, result: Reconstruction, layer: int, part: Pixels) -> 
         return False
     walls = part.compartment[result.field.vertical[part.pillars]]
     row, column = part.grid.row_column(walls)
-    dark = (row + column) % HATCH == 0
-    place = row[dark], column[dark]
-    colours[place] = np.rint(colours[place] * HATCH_LIGHT).astype(np.uint8)
+    hatched = (row + column) % HATCH == 0
+    colours[row[hatched], column[hatched]] = rgb(WALL_COLOUR)
     return bool(len(walls))
 
 
