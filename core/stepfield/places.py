@@ -59,11 +59,11 @@ class Coverage:
 
 def covered(field: StepField, boxes: Floats) -> Coverage:
     """Find what boxes of shape (B, 6), scan coordinates in metres, speak for."""
-    span = boxes[:, 4:] - field.compartments.lowest
     box, compartment, area = _shared_area(field.compartments.grid, boxes)
     place, pillar = standing_in(field, compartment)
-    low, high = span[box[place]].T
-    overlap = np.minimum(high, field.high[pillar]) - np.maximum(low, field.low[pillar])
+    low, high = (boxes[:, side][box] - field.compartments.lowest for side in (4, 5))
+    overlap = np.minimum(high[place], field.high[pillar])
+    overlap -= np.maximum(low[place], field.low[pillar])
     meets = overlap >= -ROUNDING
     place, pillar, overlap = place[meets], pillar[meets], overlap[meets]
     # A rectangle speaks for one pillar of a compartment: the one its elevation span overlaps most.
@@ -144,7 +144,7 @@ def _shared_area(grid: Grid, boxes: Floats) -> tuple[Integers, Integers, Floats]
     last = np.ceil(edge[:, 2:] / grid.cell_size - ROUNDING).astype(np.int64) - 1
     limit = np.array([grid.columns, grid.rows]) - 1
     first, last = np.maximum(first, 0), np.minimum(last, limit)
-    wide, deep = np.maximum(last - first + 1, 0).T
+    wide, deep = (np.maximum(last[:, axis] - first[:, axis] + 1, 0) for axis in (0, 1))
     box, nth = _counted_out(wide * deep)
     column = first[box, 0] + nth % wide[box]
     north = first[box, 1] + nth // wide[box]

@@ -27,8 +27,8 @@ def edit(window: MainWindow, report: Report, clock: Clock) -> Iterator[Wait]:
     window.document.set_active_layer(2)
     yield partial(settled, window)
     stack = window.document.undo_stack
-    for _ in range(TIMES):
-        yield from _timed(window, report, clock, "select", partial(_lasso, window), _is_outlined)
+    for nth in range(TIMES):
+        yield from _timed(window, report, clock, "select", partial(_lasso, window, nth), _is_outlined)
         report["selected"] = window.selection.count
         yield from _timed(window, report, clock, "move", partial(window.editor.move_to, TARGET))
         yield from _timed(window, report, clock, "undo", stack.undo)
@@ -88,8 +88,8 @@ class Answered:
         self._missing.discard(part)
 
 
-def _lasso(window: MainWindow) -> None:
-    """Draw around about the pillars wanted, in the middle of the map."""
+def _lasso(window: MainWindow, nth: int = 0) -> None:
+    """Draw around about the pillars wanted, in the middle of the map or ``nth`` compartments beside it."""
     answer = window.document.answer
     assert answer is not None
     grid = answer.result.field.compartments.grid
@@ -98,7 +98,7 @@ def _lasso(window: MainWindow) -> None:
     )
     angle = np.linspace(0, 2 * np.pi, CORNERS)
     radius = np.sqrt(CAUGHT * grid.cell_size**2 / np.pi)
-    path = middle + radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    path = middle + nth * grid.cell_size + radius * np.column_stack([np.cos(angle), np.sin(angle)])
     window.selection.pick(OnMap(Shape("lasso", path), window.document.active_layer))
 
 
