@@ -44,34 +44,40 @@ def as_edges(grid: Grid, layers: Sequence[tuple[Integers, Floats]], link_step: f
 
 def mesh_of(sheet: Sheet) -> Mesh:
     """Return a sheet as triangles: the compartments in order, then the risers."""
-    corners, number = corners_of(sheet)
+    vertices, number = vertices_of(sheet)
     fans = fans_of(sheet, number, np.arange(len(sheet.compartment)))
-    return Mesh(
-        np.concatenate([corners, middles_of(sheet)]), np.concatenate([fans, risers_of(sheet, number)])
-    )
+    return Mesh(vertices, np.concatenate([fans, risers_of(sheet, number)]))
 
 
-def corners_of(sheet: Sheet) -> tuple[Floats, Integers]:
-    """Return the places of a sheet's corners, shape (V, 3), metres, and their numbers, shape (n, 4)."""
+def vertices_of(sheet: Sheet) -> tuple[Floats, Integers]:
+    """Return the places of a sheet's corners, then of the middles of its compartments.
+
+    Returns
+    -------
+    ndarray of shape (V + n, 3)
+        Metres.
+    ndarray of shape (n, 4)
+        Numbers of the corners of each compartment.
+    """
     number, first = _numbered(sheet.vertex)
     x, y = sheet.grid.lines(sheet.compartment)
     pillar, corner = np.divmod(first, 4)
-    return np.column_stack(
-        [x[pillar, _EAST[corner]], y[pillar, _NORTH[corner]], sheet.corner.ravel()[first]]
-    ), number
-
-
-def middles_of(sheet: Sheet) -> Floats:
-    """Return the places of the middles of a sheet's compartments, shape (n, 3), metres."""
-    x, y = sheet.grid.lines(sheet.compartment)
-    return np.column_stack([x.mean(axis=1), y.mean(axis=1), sheet.top])
+    vertices = np.empty((len(first) + len(sheet.top), 3))
+    corners, middles = vertices[: len(first)], vertices[len(first) :]
+    corners[:, 0], corners[:, 1] = x[pillar, _EAST[corner]], y[pillar, _NORTH[corner]]
+    corners[:, 2] = sheet.corner.ravel()[first]
+    middles[:, 0], middles[:, 1] = (x[:, 0] + x[:, 1]) / 2, (y[:, 0] + y[:, 1]) / 2
+    middles[:, 2] = sheet.top
+    return vertices, number
 
 
 def fans_of(sheet: Sheet, number: Integers, pillars: Integers) -> Integers:
     """Return four triangles each around the middles of some pillars, which are numbered after the corners."""
-    middle = number.max(initial=-1) + 1 + pillars
-    fans = [np.column_stack([middle, number[pillars, i], number[pillars, (i + 1) % 4]]) for i in range(4)]
-    return np.stack(fans, axis=1).reshape(-1, 3)
+    fans = np.empty((len(pillars), 4, 3), np.int64)
+    fans[:, :, 0] = (number.max(initial=-1) + 1 + pillars)[:, np.newaxis]
+    fans[:, :, 1] = number[pillars]
+    fans[:, :3, 2], fans[:, 3, 2] = fans[:, 1:, 1], fans[:, 0, 1]
+    return fans.reshape(-1, 3)
 
 
 def risers_of(sheet: Sheet, number: Integers) -> Integers:

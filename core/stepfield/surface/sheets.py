@@ -88,6 +88,10 @@ def _order(compartment: Integers, top: Floats) -> Integers:
     """Return the order by compartment and elevation."""
     if len(compartment) < 2 or bool((np.diff(compartment) > 0).all()):
         return np.arange(len(compartment))
+    order: Integers = np.argsort(compartment, kind="stable")  # layers are ascending runs: quickly merged
+    is_next = np.diff(compartment[order]) > 0
+    if bool((is_next | (np.diff(top[order]) >= 0)).all()):
+        return order  # the lower layer is the lower one everywhere
     order = np.argsort(top, kind="stable")
     by_compartment: Integers = order[np.argsort(compartment[order], kind="stable")]
     return by_compartment

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.surface import Mesh, Sheet
-from stepfield.surface.edges import corners_of, fans_of, middles_of, risers_of
+from stepfield.surface.edges import fans_of, risers_of, vertices_of
 from stepfield.targets.decimation import covering, diagonals
 
 Floats = NDArray[np.float64]
@@ -26,7 +26,7 @@ def covered(sheet: Sheet, tolerance: float) -> Mesh:
     tolerance : float
         Greatest vertical distance from the whole surface, metres.
     """
-    corners, number = corners_of(sheet)
+    vertices, number = vertices_of(sheet)
     lattice = _lattice(sheet)
     numbers = np.zeros((sheet.grid.rows + 1) * (sheet.grid.columns + 1), np.int64)
     numbers[lattice] = number
@@ -40,7 +40,7 @@ def covered(sheet: Sheet, tolerance: float) -> Mesh:
     coarse, fans = covering(heights.reshape(shape[0] + 1, shape[1] + 1), errors, tolerance)
     kept = np.flatnonzero(fans.ravel()[sheet.compartment])
     triangles = [numbers[coarse], fans_of(sheet, number, kept), risers_of(sheet, number)]
-    return _compact(np.concatenate([corners, middles_of(sheet)]), np.concatenate(triangles))
+    return _compact(vertices, np.concatenate(triangles))
 
 
 def _lattice(sheet: Sheet) -> Integers:
