@@ -220,6 +220,38 @@ def test_colours_of_the_last_scan_are_not_asked_of_the_next(bench: Bench, near: 
     assert box.currentData() == "height"
 
 
+def area(bench: Bench) -> float:
+    """Ground that the reconstruction covers in its finest detail, square metres."""
+    mesh = bench.client.scenes[RECONSTRUCTION].meshes[0]
+    a, b, c = (mesh.vertices[mesh.triangles[:, i]].astype(float) for i in range(3))
+    return float(np.maximum(np.cross(b - a, c - a)[:, 2], 0).sum() / 2)
+
+
+def test_layers_are_drawn_as_the_parameters_say_until_another_way_is_looked_at(
+    bench: Bench, near: Path
+) -> None:
+    bench.open(near, **PARAMETERS)
+    bench.scene_feed.set_visible((0, 1))
+    bench.settle()
+    box = bench.trio.headers[RECONSTRUCTION].findChildren(QComboBox)[1]
+    covered, cut = 8 * 6 + 3 * 2, 7.5 * 5.5 + 2.5 * 1.5
+    assert box.currentData() == "edges"
+    assert area(bench) == pytest.approx(covered)
+    bench.trio.way_chosen.emit("simulator")
+    bench.settle()
+    assert box.currentData() == "simulator"
+    assert area(bench) == pytest.approx(cut)
+    bench.trio.way_chosen.emit("pillars")
+    bench.document.set_parameters("Surface", reconstruction="simulator")
+    bench.settle()
+    assert box.currentData() == "simulator"
+    assert area(bench) == pytest.approx(cut)
+    bench.document.set_parameters("Surface", reconstruction="edges")
+    bench.settle()
+    assert box.currentData() == "edges"
+    assert area(bench) == pytest.approx(covered)
+
+
 def test_marks_lie_in_the_cloud_and_go_with_the_scan(bench: Bench, near: Path, far: Path) -> None:
     bench.open(far, **PARAMETERS)
     bench.scene_feed.set_marks(np.add([UTM], [(1.0, 2.0, 3.0)]))

@@ -29,6 +29,12 @@ Array = NDArray[Any]
 Floats = NDArray[np.float64]
 #: What the blocks and surfaces can show, with the names offered to the operator.
 SOLID_MODES = (("layer", "Layer"), ("height", "Height"))
+#: As what the layers are drawn, with the names offered to the operator and what each is.
+WAYS = (
+    ("edges", "Edges", "exactly the ground of the pillars"),
+    ("simulator", "Simulator", "a vertex a pixel: sides cut, thin surfaces gone"),
+    ("pillars", "Pillars", "blocks from the base plane up"),
+)
 #: Blocks, or pixels of the layers, while a hand moves: about what a moving picture shows of them.
 QUICK_BLOCKS = 40_000
 #: Blocks narrower than so many pixels are joined.
@@ -71,6 +77,8 @@ class Wish:
         Whether pillars and layers may be coarse: a hand moves, and the next picture comes soon.
     meshed : Meshed or None
         Complex parts of this result, drawn as a mesh in the reconstruction.
+    way : str
+        As what the layers are drawn.
     """
 
     answer: Answer
@@ -84,6 +92,7 @@ class Wish:
     joined: int = 0
     quick: bool = False
     meshed: Meshed | None = None
+    way: surfaces.Way = "edges"
 
     @property
     def result(self) -> Reconstruction:
@@ -193,13 +202,14 @@ class Drawing:
 
     def _of_layers(self, wish: Wish) -> Picture:
         mode = wish.modes[RECONSTRUCTION]
-        most, least = QUICK_BLOCKS if wish.quick else surfaces.MOST_PIXELS, 1 << wish.joined
+        most, least = QUICK_BLOCKS if wish.quick else None, 1 << wish.joined
         meshed = wish.meshed
         result = wish.result if meshed is None else meshed.rest_of(wish.result)
 
         def make() -> tuple[Triangles, ...]:
             drawn = surfaces.surfaces(
-                result, wish.origin, wish.colours, wish.visible, mode=mode, most=most, least=least
+                *(result, wish.origin, wish.colours, wish.visible, wish.way, mode, most, least),
+                sampled=wish.quick,
             )
             if meshed is None:
                 return drawn
@@ -210,9 +220,9 @@ class Drawing:
         return self._solid(wish, RECONSTRUCTION, make)
 
     def _solid(self, wish: Wish, view: str, make: Callable[[], tuple[Triangles, ...]]) -> Picture:
-        mode = wish.modes[view]
-        detail = f"{wish.quick} {wish.joined}"
-        meshed = wish.meshed if view == RECONSTRUCTION else None
+        mode, is_layers = wish.modes[view], view == RECONSTRUCTION
+        detail = f"{wish.quick} {wish.joined} {wish.way if is_layers else None}"
+        meshed = wish.meshed if is_layers else None
         key = wish.result, mode, wish.colours, wish.visible, detail, meshed
         meshes = self._once(view, key, lambda: tuple(self._shared(mesh) for mesh in make()))
         legend = _heights(wish.result) if mode == "height" else _layers(wish, view)

@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from stepfield.pillars import StepField
 from stepfield_app.document import Document
 from stepfield_app.facts import ScanFacts
-from stepfield_app.feeds.drawing import POINT_MODES, SOLID_MODES, Drawing, Drawn, Wish, joins_for
+from stepfield_app.feeds.drawing import POINT_MODES, SOLID_MODES, WAYS, Drawing, Drawn, Wish, joins_for
 from stepfield_app.newest import NewestWins
 from stepfield_app.render.camera import Camera
 from stepfield_app.render.client import RenderClient
@@ -22,6 +22,7 @@ from stepfield_app.scenes import colouring
 from stepfield_app.scenes.cloud import Cloud
 from stepfield_app.scenes.complex_parts import Meshed
 from stepfield_app.scenes.palette import layer_colours
+from stepfield_app.scenes.surfaces import Way
 from stepfield_app.theme import DARK, Theme
 from stepfield_app.views.trio import Trio
 
@@ -43,6 +44,8 @@ class Choices:
     theme: Theme = DARK
     marks: NDArray[np.float64] | None = None
     meshed: Meshed | None = None
+    #: As what the layers are drawn, where that is not what the parameters say.
+    way: Way | None = None
 
 
 class SceneFeed(QObject):
@@ -69,6 +72,7 @@ class SceneFeed(QObject):
         self._fits = self._is_late = self._owes_detail = False
         self._joined = 0
         self._field: StepField | None = None  # what the scenes handed over last show
+        self._said: Way | None = None
         self._breath = QTimer(self, singleShot=True)
         self._breath.timeout.connect(self._catch_up)
         self._courtesy = QTimer(self, singleShot=True, interval=COURTESY)
@@ -82,6 +86,7 @@ class SceneFeed(QObject):
         document.held_changed.connect(self._hold)
         document.busy_changed.connect(lambda _: self._pay())
         trio.colour_chosen.connect(self._choose_colour)
+        trio.way_chosen.connect(self._choose_way)
         trio.arranged.connect(self.ask)
         trio.viewpoint.changed.connect(self._sharpen)
 
@@ -132,6 +137,7 @@ class SceneFeed(QObject):
         self._is_late = self._owes_detail and (self._drawing.busy or self._breath.isActive())
         if wish is not None and not self._is_late:
             self._joined = wish.joined
+            self._trio.headers[RECONSTRUCTION].set_ways(WAYS, wish.way)
             self._drawing.ask(wish)
 
     @property
@@ -145,7 +151,15 @@ class SceneFeed(QObject):
         look = choices.visible, choices.theme, choices.marks
         meshed = choices.meshed if choices.meshed and choices.meshed.belongs_to(answer.result) else None
         how = partial(Wish, quick=self._document.held, joined=self._joins(answer), meshed=meshed)
-        return how(answer, self.origin, views, modes, colours, *look)
+        return how(
+            answer,
+            self.origin,
+            views,
+            modes,
+            colours,
+            *look,
+            way=choices.way or answer.result.parameters.reconstruction,
+        )
 
     def _joins(self, answer: Answer) -> int:
         """How often compartments may be joined before anybody sees it, as near as the camera is."""
@@ -188,6 +202,8 @@ class SceneFeed(QObject):
         self._offer_colours()
 
     def _take(self, answer: Answer | None) -> None:
+        if answer is not None:
+            self._follow(answer.result.parameters.reconstruction)
         if answer is None:
             self._courtesy.stop()
             self._drawing.forget()
@@ -211,6 +227,15 @@ class SceneFeed(QObject):
 
     def _choose_colour(self, view: str, mode: str) -> None:
         self._choices.modes[view] = mode
+        self.ask()
+
+    def _follow(self, said: Way) -> None:
+        """Draw the layers as the parameters say once these change, whatever was looked at before."""
+        if said != self._said:
+            self._said, self._choices.way = said, None
+
+    def _choose_way(self, way: Way) -> None:
+        self._choices.way = way
         self.ask()
 
     def _show(self, wish: Wish, drawn: Drawn) -> None:

@@ -62,6 +62,12 @@ COMPLEX_RESIDUAL = Described(
     "Complex from",
     "A pillar whose points are further from the surface than this is complex",
 )
+RECONSTRUCTION = Described(
+    "reconstruction",
+    "Surface",
+    "What layers become triangles by, here and for simulators (6): exactly the ground of their pillars, or a "
+    "vertex a pixel, which cuts the sides and loses what is thin",
+)
 BITS = Described("bits", "Bits", "Bits of a pixel of the height-maps (Eq. 2 is 8)")
 PAD = Described("pad", "Padding", "Widen the images to powers of two, as most simulators ask")
 WHITE = Described(
@@ -78,6 +84,7 @@ OPTIONS: dict[str, tuple[tuple[str, Any], ...]] = {
     ),
     "walls": (("like all pillars", "mean"), ("to their tops", "top"), ("as obstacles", "layer")),
     "complex_parts": (("as height-maps", "off"), ("as a mesh", "mesh")),
+    "reconstruction": (("edges", "edges"), ("as a simulator", "simulator")),
     "max_layers": (("auto", "auto"), ("no limit", "none"), *((str(n), n) for n in range(1, 13))),
     "bits": (("16 bits", 16), ("8 bits", 8)),
     "pad": (("powers of two", "pow2"), ("none", "none")),
@@ -119,7 +126,7 @@ class ParametersPanel(QWidget):
         self.link_step = LengthRow(LINK_STEP, document, self)
         self.complex_residual = LengthRow(COMPLEX_RESIDUAL, document, self)
         self.min_points = CountRow(MIN_POINTS, MOST_POINTS, document, self)
-        described = (LAYERING, PILLAR_HEIGHT, WALLS, MAX_LAYERS, COMPLEX, BITS, PAD, WHITE)
+        described = (LAYERING, PILLAR_HEIGHT, WALLS, RECONSTRUCTION, MAX_LAYERS, COMPLEX, BITS, PAD, WHITE)
         self.choices = {each.name: ChoiceRow(each, OPTIONS[each.name], document, self) for each in described}
         self._rows: tuple[LengthRow | CountRow | ChoiceRow, ...] = (
             *(self.cell_size, self.alpha, self.tolerance, self.link_step, self.min_points),
@@ -138,7 +145,7 @@ class ParametersPanel(QWidget):
         layout = column()
         layout.addLayout(title)
         first = [self.cell_size, self.alpha, self.tolerance]
-        second = [self.choices[name] for name in ("layering", "pillar_height", "walls")]
+        second = [self.choices[name] for name in ("layering", "pillar_height", "walls", "reconstruction")]
         layout.addLayout(_grid([*first, *second]))
         more = QWidget()
         images = [self.choices[name] for name in ("bits", "pad", "range")]

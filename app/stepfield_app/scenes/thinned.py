@@ -95,6 +95,25 @@ def pixels(result: Reconstruction, layers: Sequence[int], stride: int = 1) -> li
     return [Pixels(some.grid, some.compartment[mask], elevation[mask], some.pillars[mask]) for mask in masks]
 
 
+def pooled(part: Pixels, factor: int) -> Pixels:
+    """Join so many by so many compartments of a layer: occupied where any is, as high as all on average.
+
+    Of the pillars, the first of each stands for all.
+    """
+    grid = part.grid
+    rows, columns = -(-grid.rows // factor), -(-grid.columns // factor)
+    side = grid.cell_size * factor
+    coarse = Grid(grid.west, grid.south + grid.rows * grid.cell_size - rows * side, side, columns, rows)
+    row, column = grid.row_column(part.compartment)
+    at = row // factor * columns + column // factor
+    count = np.bincount(at, minlength=len(coarse))
+    total = np.bincount(at, part.elevation, minlength=len(coarse))
+    compartment = np.flatnonzero(count)
+    first = np.zeros(len(coarse), np.int64)
+    first[at[::-1]] = part.pillars[::-1]
+    return Pixels(coarse, compartment, total[compartment] / count[compartment], first[compartment])
+
+
 def coarse_grid(grid: Grid, stride: int) -> Grid:
     """Return the grid whose compartments have the middles of every ``stride``-th row and column."""
     rows, columns = -(-grid.rows // stride), -(-grid.columns // stride)

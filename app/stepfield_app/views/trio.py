@@ -27,6 +27,8 @@ class Trio(QWidget):
 
     #: View and the colour mode chosen for it.
     colour_chosen = Signal(str, str)
+    #: As what the layers are to be drawn.
+    way_chosen = Signal(str)
     #: Local coordinates under the cursor, or None.
     hovered = Signal(object)
     #: Other views are shown than before.
@@ -44,6 +46,7 @@ class Trio(QWidget):
             name: ViewHeader(TITLES[name], f"Ctrl+{place}") for place, name in enumerate(VIEWS, 1)
         }
         self._frames = {name: self._framed(name) for name in VIEWS}
+        self.headers[RECONSTRUCTION].way_chosen.connect(self.way_chosen)
         self._splitter = QSplitter(Qt.Orientation.Horizontal, childrenCollapsible=False, handleWidth=2)
         for name in VIEWS:
             self._splitter.addWidget(self._frames[name])
