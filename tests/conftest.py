@@ -9,12 +9,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import settings
 from numpy.typing import ArrayLike
 
 from stepfield.scan import Axis, Scan
 
 REPOSITORY = Path(__file__).parents[1]
 SCANS = Path(os.environ.get("STEPFIELD_SCANS", REPOSITORY.parent / "shared" / "scans"))
+
+# No test judges by the clock: the machine may be busy.
+settings.register_profile("unhurried", deadline=None)
+settings.load_profile("unhurried")
 
 
 def scan_of_axes(x: Axis, y: Axis, z: Axis) -> Scan:

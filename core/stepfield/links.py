@@ -10,13 +10,16 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.grid import Grid
-from stepfield.layers import Layering
 from stepfield.pillars import StepField
+
+if TYPE_CHECKING:  # layers are made from links, and tell of seams by them
+    from stepfield.layers import Layering
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -13,14 +13,16 @@ from typing import Literal
 
 import numpy as np
 
-from stepfield.layers import Layering, classify, layer_count, strongest
+from stepfield.layers import Layering, Method, classify, layer_count, strongest
+from stepfield.layers.classify import Linked
 from stepfield.pillars import StepField
 
 
 def classify_apart(
     field: StepField,
-    method: Literal["rank", "elevation"] = "elevation",
+    method: Method = "elevation",
     *,
+    linked: Linked | None = None,
     min_points: int = 1,
     max_layers: int | Literal["auto", "none"] = "auto",
 ) -> Layering:
@@ -29,11 +31,16 @@ def classify_apart(
     Parameters
     ----------
     field : StepField
-    method, min_points, max_layers
+    method, linked, min_points, max_layers
         As in :func:`stepfield.layers.classify`.
     """
     surfaces = classify(
-        field, method, min_points=min_points, max_layers=max_layers, leaving_out=field.vertical
+        field,
+        method,
+        linked=linked,
+        min_points=min_points,
+        max_layers=max_layers,
+        leaving_out=field.vertical,
     )
     enough = field.vertical & (field.points >= min_points)
     count = layer_count(field, enough, max_layers)

@@ -49,7 +49,9 @@ class Parameters(Frozen):
     cell_size: Length | Auto = Field("auto", description="side of a compartment (5.1)")
     alpha: Length | Auto = Field("auto", description="distance of the base plane below the scan (Eq. 1)")
     layer_tolerance: Length | Auto = Field("auto", description="vertical gap that parts two pillars (5.3.2)")
-    layering: Literal["rank", "elevation"] = Field("elevation", description="how pillars get layers (5.3.3)")
+    layering: Literal["rank", "elevation", "surface"] = Field(
+        "elevation", description="how pillars get layers (5.3.3)"
+    )
     pillar_height: Literal["mean", "max", "median", "p90"] = Field("mean", description="height of a pillar")
     walls: Literal["mean", "top", "layer"] = Field(
         "mean",

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stepfield import suggest
 from stepfield.compartments import grid_under, sort_into_compartments
@@ -32,6 +33,8 @@ from stepfield.reconstruction import Reconstruction, layers_of, members_of
 from stepfield.scan import Scan, cleaned, read_scan
 
 Made = TypeVar("Made")
+Mask = NDArray[np.bool_]
+Integers = NDArray[np.int64]
 
 #: How the names of a preview's stages begin: they have places of their own.
 PREVIEW = "preview "
@@ -203,12 +206,17 @@ class Pipeline:
         """Classify the pillars (5.3.3); a share of the points makes pillars of as few."""
         method, most = parameters.layering, parameters.max_layers
         sort = classify_apart if parameters.walls == "layer" else classify
+        step = _metres(parameters.link_step)
+
+        def linked(chosen: Mask) -> Integers:
+            return self._links(field, chosen, step).pairs
+
         fewest = max(1, round(parameters.min_points * share))
         classified = self._once(
             "layers",
             field,
-            (method, fewest, most, sort),
-            lambda: sort(field.made, method, min_points=fewest, max_layers=most),
+            (method, fewest, most, sort, step if method == "surface" else None),
+            lambda: sort(field.made, method, linked=linked, min_points=fewest, max_layers=most),
         )
         if not classified.made.count:
             raise ParameterError(
@@ -226,9 +234,12 @@ class Pipeline:
 
     def _linked(self, field: Stage[StepField], edited: Stage[Edited], parameters: Parameters) -> Links:
         """Links among the exported pillars; they outlive moves between layers."""
-        exported, step = edited.made.layering.layer != UNASSIGNED, _metres(parameters.link_step)
-        chosen = (np.packbits(exported).tobytes(), step)
-        return self._once("links", field, chosen, lambda: Links(field.made, exported, step)).made
+        exported = edited.made.layering.layer != UNASSIGNED
+        return self._links(field, exported, _metres(parameters.link_step))
+
+    def _links(self, field: Stage[StepField], among: Mask, step: float) -> Links:
+        chosen = (np.packbits(among).tobytes(), step)
+        return self._once("links", field, chosen, lambda: Links(field.made, among, step)).made
 
 
 def _metres(value: float | str) -> float:

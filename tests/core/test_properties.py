@@ -14,13 +14,12 @@ from tests.conftest import scan_of
 
 from stepfield.compartments import sort_into_compartments
 from stepfield.heightmap import Frame, GrayScale, draw
-from stepfield.layers import UNASSIGNED, Layering, classify
+from stepfield.layers import UNASSIGNED, Layering, Method, classify
 from stepfield.obstacles import classify_apart
 from stepfield.pillars import StepField, build_pillars
 from stepfield.scan import Axis, Scan
 
 Floats = NDArray[np.float64]
-Method = Literal["rank", "elevation"]
 Cap = int | Literal["auto", "none"]
 
 #: Multiples of 2^-10 m, so that shifts by national-grid coordinates are exact.
@@ -30,7 +29,7 @@ clouds = st.integers(1, 120).flatmap(
 cells = st.sampled_from([0.125, 0.25, 0.5, 1.0])
 tolerances = st.sampled_from([0.0009765625, 0.0625, 0.25, 1.0, 3.0])
 narrow = st.sampled_from([0.125, 0.25])
-methods = st.sampled_from(["rank", "elevation"])
+methods = st.sampled_from(["rank", "elevation", "surface"])
 #: Many points above a few compartments: two in three of these have a wall.
 towers = st.integers(0, 2**32 - 1).map(
     lambda seed: np.random.default_rng(seed).integers(0, 4096, (1 + seed % 150, 3)) / [16384, 16384, 2048.0]

@@ -31,7 +31,8 @@ TOLERANCE = Described(
 LAYERING = Described(
     "layering",
     "Layering",
-    "How pillars get layers (5.3.3): by average elevation, or in order from the lowest of each compartment",
+    "How pillars get layers (5.3.3): by average elevation, so that a continuous surface stays in one layer, "
+    "or in order from the lowest of each compartment",
     "y",
 )
 PILLAR_HEIGHT = Described(
@@ -75,7 +76,7 @@ WHITE = Described(
 )
 
 OPTIONS: dict[str, tuple[tuple[str, Any], ...]] = {
-    "layering": (("by elevation", "elevation"), ("by rank", "rank")),
+    "layering": (("by elevation", "elevation"), ("by surface", "surface"), ("by rank", "rank")),
     "pillar_height": (
         ("mean", "mean"),
         ("highest point", "max"),

@@ -1,0 +1,187 @@
+"""The layers at which links cost least: a minimum cut.
+
+Nodes are pillars, or patches of them that stay together. A node above another in some compartment needs a
+higher layer; every link costs the difference of its ends' layers, which is what a seam costs where these
+are neighbours in number. That cost is a discrete convex (L-natural) function of the layers: as long as it
+is not the least, it falls when some set of nodes goes up, or down, by one layer, and the best such set is
+a minimum cut (Murota, *Discrete Convex Analysis*, 2003). From the lowest layers possible, going up
+only, one cut a layer ends at the least cost and, among all layerings of that cost, at the lowest.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Integers = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+#: Costs more than all links together: what must not happen.
+NEVER = 1 << 28
+UP, DOWN = 1, -1
+
+
+@dataclass(frozen=True, eq=False)
+class Ties:
+    """What binds the layers of nodes to each other.
+
+    Attributes
+    ----------
+    one, other : ndarray of shape (L,), int64
+        Ends of the links.
+    weight : ndarray of shape (L,), int64
+        How many links each stands for.
+    below, above : ndarray of shape (S,), int64
+        Nodes that stand above each other, each pair once.
+    """
+
+    one: Integers
+    other: Integers
+    weight: Integers
+    below: Integers
+    above: Integers
+
+
+@dataclass(frozen=True, eq=False)
+class Wishes:
+    """Layers that nodes are drawn to.
+
+    Attributes
+    ----------
+    layer : ndarray of shape (N,), int64
+    weight : ndarray of shape (N,), int64
+        What each layer away from it costs.
+    """
+
+    layer: Integers
+    weight: Integers
+
+
+def lowest(nodes: int, below: Integers, above: Integers, layers: int) -> Integers:
+    """Return the lowest layer of each node that those beneath it allow, shape (nodes,).
+
+    A node with ``layers`` or more beneath it, or in a circle, gets ``layers``: there is no place for it.
+    """
+    least = np.zeros(nodes, np.int64)
+    for _ in range(layers):
+        needed = least[below] + 1
+        if (needed <= least[above]).all():
+            break
+        np.maximum.at(least, above, needed)
+        np.minimum(least, layers, out=least)
+    return least
+
+
+def highest(nodes: int, below: Integers, above: Integers, layers: int) -> Integers:
+    """Return the highest layer of each node that those above it allow, shape (nodes,); -1 for no place."""
+    return layers - 1 - lowest(nodes, above, below, layers)
+
+
+def settled(
+    ties: Ties,
+    layer: Integers,
+    layers: int,
+    directions: Sequence[int] = (UP, DOWN),
+    *,
+    wishes: Wishes | None = None,
+    free: Mask | None = None,
+) -> Integers:
+    """Move sets of nodes by a layer as long as that makes the links, and the wishes, cheaper.
+
+    Parameters
+    ----------
+    ties : Ties
+    layer : ndarray of shape (N,), int64
+        To begin with; nodes that stand above each other are in ascending layers.
+    layers : int
+        How many there are.
+    directions : sequence of int
+        Of ``UP`` and ``DOWN``, the first to begin with; ends when the last that was tried found nothing.
+    wishes : Wishes, optional
+    free : ndarray of shape (N,), bool, optional
+        Nodes that may move; all of them by default.
+    """
+    for tried, way in enumerate(itertools.cycle(directions), 1):
+        moving = _cheapest_set(ties, layer, layers, way, wishes, free)
+        if moving is not None:
+            layer = layer + way * moving
+        elif tried >= len(directions):
+            break
+    return layer
+
+
+def _cheapest_set(
+    ties: Ties, layer: Integers, layers: int, way: int, wishes: Wishes | None, free: Mask | None
+) -> Mask | None:
+    """Find the smallest set of nodes that is best moved by one layer; None if none gains by it."""
+    nodes = len(layer)
+    leaning = np.sign(layer[ties.other] - layer[ties.one]) * (way * ties.weight)
+    gain = np.bincount(ties.one, leaning, nodes) - np.bincount(ties.other, leaning, nodes)
+    gain = gain.astype(np.int64)
+    if wishes is not None:
+        gain += np.where((wishes.layer - layer) * way > 0, wishes.weight, -wishes.weight)
+    kept = layer == (layers - 1 if way == UP else 0)
+    if free is not None:
+        kept |= ~free
+    joined = layer[ties.one] == layer[ties.other]
+    pushing = layer[ties.above] == layer[ties.below] + 1
+    first, second = ties.below[pushing], ties.above[pushing]
+    if way == DOWN:
+        first, second = second, first
+    return _source_side(
+        np.where(kept, -NEVER, gain),
+        np.maximum(gain, 0),
+        (ties.one[joined], ties.other[joined], ties.weight[joined]),
+        (first, second),
+    )
+
+
+def _source_side(
+    worth: Integers,
+    gain: Integers,
+    links: tuple[Integers, Integers, Integers],
+    pushes: tuple[Integers, Integers],
+) -> Mask | None:
+    """Cut the nodes in two at the least cost; None if nothing is to be gained by it.
+
+    Parameters
+    ----------
+    worth : ndarray of shape (N,)
+        What moving a node costs, where negative.
+    gain : ndarray of shape (N,)
+        What moving a node gains.
+    links : tuple of ndarray
+        Ends and costs of what is lost if only one of the two moves.
+    pushes : tuple of ndarray
+        Nodes that cannot move unless the second moves too.
+    """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+
+    nodes = len(worth)
+    source, sink = nodes, nodes + 1
+    (one, other, cost), (first, second) = links, pushes
+    eager, loath = np.flatnonzero(gain), np.flatnonzero(worth < 0)
+    if not len(eager):
+        return None
+    rows = np.concatenate([np.full(len(eager), source), loath, one, other, first])
+    columns = np.concatenate([eager, np.full(len(loath), sink), other, one, second])
+    capacity = np.concatenate([gain[eager], -worth[loath], cost, cost, np.full(len(first), NEVER)])
+    network = csr_array(
+        (capacity.astype(np.int32), (rows.astype(np.int32), columns.astype(np.int32))),
+        shape=(nodes + 2, nodes + 2),
+    )
+    flow = maximum_flow(network, source, sink)
+    if flow.flow_value == gain.sum():
+        return None
+    left = network - flow.flow
+    left.data = (left.data > 0).astype(np.int8)
+    left.eliminate_zeros()
+    reached = breadth_first_order(left, source, return_predecessors=False)
+    side = np.zeros(nodes + 2, bool)
+    side[reached] = True
+    return side[:nodes]

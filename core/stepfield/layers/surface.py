@@ -1,0 +1,56 @@
+"""Classification by surface: a continuous surface stays in one layer, whatever elevations it crosses.
+
+Not in the paper, which says where its classification fails (section 6, figure 4): an inclined plane falls
+into as many layers as elevations it crosses, with a hole along every cut. Here neighbouring pillars that
+continue each other are linked, and the layers are those that cut the fewest links: one pillar a compartment a
+layer, in order of height. A ramp that winds over itself is cut where it would come to lie above itself.
+
+The cuts are minimum cuts, found among patches of pillars (:mod:`patches`, :mod:`cuts`), adjusted so that
+sheets stay whole (:mod:`sheets`), moved to the pillar in a band around them (:mod:`bands`); what nothing
+binds then joins the layer it lies nearest to (:mod:`fragments`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepfield.grid import Grid
+from stepfield.layers.bands import refined
+from stepfield.layers.cuts import UP, Wishes, lowest, settled
+from stepfield.layers.fragments import gathered
+from stepfield.layers.patches import Surroundings, between, components, patches
+from stepfield.layers.sheets import PILLARS_A_SEAM, whole
+from stepfield.layers.towers import Towers
+
+Integers = NDArray[np.int64]
+
+
+def by_surface(grid: Grid, towers: Towers, links: Integers, layers: int) -> Integers:
+    """Return the layer of each pillar that takes part, shape (M,).
+
+    Parameters
+    ----------
+    grid : Grid
+    towers : Towers
+    links : ndarray of shape (L, 2), int64
+        Pillars that continue each other, numbered among those that take part: all west and east ones, then
+        all north and south ones, each ascending.
+    layers : int
+        No compartment has more pillars.
+    """
+    around = _surroundings(grid, towers, links)
+    patch = patches(around, layers)
+    ties, size = between(around, patch), np.bincount(patch)
+    fewest = settled(ties, lowest(len(size), ties.below, ties.above, layers), layers, (UP,))
+    layer, wishes = whole(ties, fewest, layers, size)
+    of_pillars = Wishes(wishes.layer[patch], (wishes.weight > 0)[patch].astype(np.int64))
+    layer = refined(around, layer[patch], layers, PILLARS_A_SEAM, of_pillars)
+    piece = components(len(size), ties.one, ties.other)[patch]
+    return gathered(around, towers.elevation, layer, layers, piece)
+
+
+def _surroundings(grid: Grid, towers: Towers, links: Integers) -> Surroundings:
+    row, column = grid.row_column(towers.compartment)
+    tower = np.repeat(np.arange(len(towers.size)), towers.size)
+    return Surroundings(row, column, tower, links, int(towers.size.max()))
