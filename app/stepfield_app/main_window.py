@@ -124,7 +124,7 @@ class MainWindow(QMainWindow):
     def _make_panels(self) -> None:
         self.map, self.profile, self.histogram = MapView(), ProfileView(), HistogramView()
         self.parameters, self.cleaning = ParametersPanel(self.document), CleaningPanel(self.document)
-        self.layers, self.history = LayersPanel(self.document), HistoryPanel(self.document.undo_stack)
+        self.layers, self.history = LayersPanel(self.document), HistoryPanel(self.document)
         self.layer_editing = LayersEditing(self.document, self.layers, self.editor)
         self.moves, self.suspects = MovesPanel(self.document, self.editor), SuspectsPanel()
         self.marks, self.mark_box = Marks(), MarkBox()

@@ -142,7 +142,7 @@ class Opener(QObject):
     def __init__(self, document: Document, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._document = document
-        self._reader = NewestWins[Path | Work, Work | Missing](_found, "project reader", self)
+        self._reader = NewestWins[_Wanted | Work, Work | Missing](_found, "project reader", self)
         self._reader.answered.connect(self._go_on)
         self._reader.failed.connect(lambda _, error: self.failed.emit(error))
         self._comparer = NewestWins[_Comparison, tuple[str, ...]](_different, "comparison of scans", self)
@@ -155,9 +155,9 @@ class Opener(QObject):
         return self._reader.busy
 
     def open(self, files: Sequence[Path], parameters: Parameters | None = None) -> None:
-        """Open the files of one scan, or a project."""
+        """Open the files of one scan, or a project; of its parameters those replace some that are given."""
         if is_project(files):
-            self._reader.ask(files[0])
+            self._reader.ask(_Wanted(files[0], parameters))
         else:
             self._reader.cancel()
             self._document.open(files, parameters)
@@ -175,7 +175,7 @@ class Opener(QObject):
         self._reader.close()
         self._comparer.close()
 
-    def _go_on(self, asked: Path | Work, found: Work | Missing) -> None:
+    def _go_on(self, asked: _Wanted | Work, found: Work | Missing) -> None:
         if isinstance(found, Missing):
             self.missing.emit(found)
         else:
@@ -204,8 +204,29 @@ class _Comparison:
     files: Sequence[SourceFile]
 
 
-def _found(wanted: Path | Work, progress: Progress) -> Work | Missing:
-    work = wanted if isinstance(wanted, Work) else work_at(wanted)
+@dataclass(frozen=True, eq=False)
+class _Wanted:
+    """A project file, and parameters some of which may have been given besides."""
+
+    file: Path
+    parameters: Parameters | None
+
+    def work(self) -> Work:
+        """Read the project; what is given is then to be saved."""
+        work = work_at(self.file)
+        given = (
+            self.parameters.model_dump(include=self.parameters.model_fields_set) if self.parameters else {}
+        )
+        parameters = Parameters.checked(**(work.project.parameters.model_dump() | given))
+        if parameters == work.project.parameters:
+            return work
+        return replace(
+            work, project=work.project.model_copy(update={"parameters": parameters}), saved=work.project
+        )
+
+
+def _found(wanted: _Wanted | Work, progress: Progress) -> Work | Missing:
+    work = wanted if isinstance(wanted, Work) else wanted.work()
     absent = tuple(path for path in paths_of(work.project) if not path.exists())
     if not work.project.scans:
         where = work.stored.path if work.stored else "the project"

@@ -253,7 +253,7 @@ def test_every_control_has_a_name_and_a_tooltip(panel: CleaningPanel) -> None:
 
 
 def test_history_lists_steps_and_goes_back_to_one(qtbot: QtBot, document: Document) -> None:
-    history = HistoryPanel(document.undo_stack)
+    history = HistoryPanel(document)
     qtbot.addWidget(history)
     document.set_parameters("Alpha 0.5 m", alpha=0.5)
     document.set_parameters("Alpha 0.6 m", alpha=0.6)

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from PySide6.QtWidgets import QDialog, QMainWindow
+from PySide6.QtGui import QShortcut
+from PySide6.QtWidgets import QApplication, QDialog, QMainWindow
 from pytestqt.qtbot import QtBot
 from tests.app.editing import Desk
 
@@ -80,6 +81,22 @@ def test_the_menu_names_the_layers_there_are(desk: Desk, actions: Actions) -> No
     assert visible == [1, 2, 3]
     desk.document.set_style("Rename", 1, name="Tables & chairs")
     assert actions["to layer 2"].text() == "&2  Tables && chairs"
+
+
+def test_the_digit_of_a_layer_that_is_not_there_says_so(desk: Desk, actions: Actions) -> None:
+    """A key that does nothing looks broken."""
+    told: list[str] = []
+    desk.editor.told.connect(told.append)
+    (window,) = (each for each in QApplication.topLevelWidgets() if isinstance(each, Window))
+    keys = {shortcut.key().toString(): shortcut for shortcut in window.findChildren(QShortcut)}
+    assert [key for key in sorted(keys) if keys[key].isEnabled()] == ["4", "5", "6", "7", "8", "9"]
+    keys["7"].activated.emit()
+    assert told == ["There is no layer 7"]
+    desk.editor.new_layer()
+    desk.settle()
+    assert not keys["4"].isEnabled(), "two things for one key do nothing"
+    desk.document.close_scan()
+    assert not any(shortcut.isEnabled() for shortcut in keys.values())
 
 
 def test_keys_act_on_the_active_layer(desk: Desk, actions: Actions) -> None:

@@ -44,7 +44,7 @@ class Bench:
 
     def open(self, file: Path) -> None:
         with self.qtbot.waitSignal(self.document.opened):
-            self.opener.open([file], BASE)
+            self.opener.open([file], None if file.suffix == ".stepfield" else BASE)
 
     def save(self, path: Path | None = None, **how: Any) -> None:
         self.saving.save(path, **how)
@@ -301,6 +301,29 @@ def test_a_project_that_cannot_be_opened_is_one_sentence(
     assert str(error).startswith(str(file))
     assert "\n" not in str(error)
     assert bench.document.project is project
+
+
+def test_parameters_given_besides_a_project_replace_its_own_and_are_to_be_saved(
+    bench: Bench, other: Bench, file: Path
+) -> None:
+    """``view PROJECT --cell 0.25`` must not show the project as if nothing had been given."""
+    bench.edit(0.7)
+    bench.save(file)
+    with other.qtbot.waitSignal(other.document.opened):
+        other.opener.open([file], Parameters.checked(cell_size=0.25))
+    parameters = other.document.project.parameters
+    assert (parameters.cell_size, parameters.alpha) == (0.25, 0.7)
+    assert other.document.answer is not None
+    assert other.document.answer.result.parameters.cell_size == 0.25
+    assert other.document.file.dirty
+    assert Project.read(file).parameters.cell_size == 0.5
+
+
+def test_parameters_that_a_project_has_already_change_nothing(bench: Bench, other: Bench, file: Path) -> None:
+    bench.save(file)
+    with other.qtbot.waitSignal(other.document.opened):
+        other.opener.open([file], Parameters.checked(cell_size=0.5))
+    assert not other.document.file.dirty
 
 
 def test_a_scan_that_has_moved_is_asked_for(bench: Bench, scan: Path, file: Path, tmp_path: Path) -> None:

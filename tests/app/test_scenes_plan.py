@@ -83,6 +83,13 @@ def test_slopes_towards_the_light_are_brighter_and_holes_cast_none() -> None:
     assert hillshade(level, 1.0)[~np.isnan(level)] == pytest.approx(0.92)
 
 
+def test_an_empty_layer_has_no_legend(tmp_path: Path) -> None:
+    """A ramp from 0 to 1 m would say where its pillars are not."""
+    result = reconstruct(tmp_path, [[0.5, 0.5, 0.0], [1.5, 0.5, 0.0]], cell_size=1.0, layer_tolerance=1.0)
+    assert raster(result, 0).legend is not None
+    assert raster(result, -1).legend is None
+
+
 def test_a_thumbnail_shows_a_single_pillar(tmp_path: Path) -> None:
     points = [[x + 0.5, y + 0.5, 0.0] for x in range(200) for y in range(90)]
     result = reconstruct(

@@ -51,12 +51,14 @@ def test_walls_are_hatched_on_the_map_and_the_legend_says_so(mean: Reconstructio
     drawn = raster(mean, 1, "colour")
     x = int(WALL / CELL)
     along = drawn.pixels[:, x, :3][drawn.pixels[:, x, 3] > 0]
+    assert drawn.legend is not None
     assert drawn.legend.note
     assert (along == rgb(WALL_COLOUR)).all(axis=1).mean() == pytest.approx(0.5, abs=0.15)
 
 
 def test_maps_without_walls_say_nothing_of_them(apart: Reconstruction) -> None:
-    assert [raster(apart, layer).legend.note for layer in (0, 1)] == ["", ""]
+    legends = [raster(apart, layer).legend for layer in (0, 1)]
+    assert [legend and legend.note for legend in legends] == ["", ""]
     assert len({tuple(pixel) for pixel in raster(apart, 0, "colour").pixels.reshape(-1, 4).tolist()}) < 6
 
 

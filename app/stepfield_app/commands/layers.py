@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from PySide6.QtGui import QKeySequence, QShortcut
+
 from stepfield.layers import UNASSIGNED
 from stepfield_app.actions import Actions
 from stepfield_app.panels.move_menu import KEYS
@@ -105,6 +107,7 @@ def _make_moves(actions: Actions, window: MainWindow) -> None:
             tip=f"Move the selected pillars to layer {number}",
         )
         action.setVisible(False)
+        _say_there_is_none(window, number)
     actions.make(
         "to unassigned",
         "Move to &Unassigned",
@@ -122,6 +125,19 @@ def _make_moves(actions: Actions, window: MainWindow) -> None:
     )
     for signal in (window.document.answer_changed, window.document.project_changed):
         signal.connect(lambda _: _name_layers(actions, window))
+
+
+def _say_there_is_none(window: MainWindow, number: int) -> None:
+    """Let the digit of a layer that is not there say so: an action that is hidden says nothing."""
+
+    def follow() -> None:
+        layers = {target.to for target in window.editor.targets}
+        shortcut.setEnabled(bool(layers) and number - 1 not in layers)
+
+    shortcut = QShortcut(QKeySequence(str(number)), window)
+    shortcut.activated.connect(lambda: window.editor.told.emit(f"There is no layer {number}"))
+    shortcut.setEnabled(False)
+    window.document.answer_changed.connect(lambda _: follow())
 
 
 def _name_layers(actions: Actions, window: MainWindow) -> None:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from PySide6.QtGui import QUndoStack
 from PySide6.QtWidgets import QUndoView, QVBoxLayout, QWidget
+
+from stepfield_app.document import Document
+from stepfield_app.requests import Answer
+
+#: The first row: of a scan that is open, and of none.
+BEGINNING, NOTHING = "As opened", "Nothing is open"
 
 
 class HistoryPanel(QWidget):
@@ -11,17 +16,22 @@ class HistoryPanel(QWidget):
 
     Parameters
     ----------
-    undo_stack : QUndoStack
+    document : Document
     parent : QWidget, optional
     """
 
-    def __init__(self, undo_stack: QUndoStack, parent: QWidget | None = None) -> None:
+    def __init__(self, document: Document, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.view = QUndoView(undo_stack, self)
-        self.view.setEmptyLabel("As opened")
+        self.view = QUndoView(document.undo_stack, self)
         self.view.setAccessibleName("History")
         self.view.setUniformItemSizes(True)  # or every step would measure all steps before it
         self.view.setToolTip("Steps taken so far: click one to go back or forward to it (Ctrl+Z, Ctrl+Y)")
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self.view)
+        document.answer_changed.connect(self._name_beginning)
+        self._name_beginning(document.answer)
+
+    def _name_beginning(self, answer: Answer | None) -> None:
+        """Say where the steps begin; nowhere while nothing is open."""
+        self.view.setEmptyLabel(BEGINNING if answer is not None else NOTHING)

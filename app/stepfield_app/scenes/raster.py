@@ -45,12 +45,13 @@ class Raster:
         Red, green, blue, opacity (0 in holes).
     elevations : ndarray of shape (rows, columns), float32
         Scan coordinates, metres; NaN in holes.
-    legend : Legend
+    legend : Legend or None
+        None where there is nothing to read off it.
     """
 
     pixels: Bytes
     elevations: Singles
-    legend: Legend
+    legend: Legend | None
 
 
 def raster(
@@ -89,7 +90,7 @@ def raster(
         colours = np.rint(colours * shade[:, :, np.newaxis]).astype(np.uint8)
     note = "red: wall" if _hatch(colours, result, layer, part) else ""
     legend = Legend("Elevation", "m", ramp("height"), low=low, high=high, note=note)
-    return Raster(_opaque(colours, heights), heights, legend)
+    return Raster(_opaque(colours, heights), heights, legend if len(part.pillars) else None)
 
 
 def _hatch(colours: Bytes, result: Reconstruction, layer: int, part: Pixels) -> bool:
