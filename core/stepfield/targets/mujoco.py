@@ -27,6 +27,8 @@ SCENE = "scene.xml"
 INLINE = 256
 #: More tiles than this, and MuJoCo takes minutes and gigabytes to load them.
 MOST_TILES = 200_000
+#: The same of the boxes of a layer of obstacles, which take it longer.
+MOST_BOXES = 50_000
 #: MuJoCo wants a height above zero, which a level tile does not have; metres.
 LEVEL = 1e-3
 #: A quarter turn about z: a tile's own x is north, its own y is west.
@@ -103,7 +105,7 @@ def _is_tile(piece: _Piece) -> bool:
 def _pieces(terrain: Terrain, layer: TerrainLayer, folder: Path) -> list[_Piece]:
     """Write the binaries of a layer; return what the scene says of each tile."""
     if layer.is_obstacles:
-        return [_solid(layer, number, box) for number, box in enumerate(boxes(terrain, layer))]
+        return list(_solids(terrain, layer))
     made: list[_Piece] = []
     for tile, samples in _tiles(terrain, layer):
         if len(made) == MOST_TILES:
@@ -113,6 +115,16 @@ def _pieces(terrain: Terrain, layer: TerrainLayer, folder: Path) -> list[_Piece]
             )
         made.append(_piece(terrain, layer, tile, samples, f"{layer.label}_{len(made):05d}", folder))
     return made
+
+
+def _solids(terrain: Terrain, layer: TerrainLayer) -> Iterator[_Piece]:
+    for count, box in enumerate(boxes(terrain, layer)):
+        if count == MOST_BOXES:
+            raise TargetError(
+                f"mujoco: {layer.name} takes more than {MOST_BOXES:,} boxes; build the stack with a larger "
+                f"cell size or tolerance"
+            )
+        yield _solid(layer, count, box)
 
 
 def _solid(layer: TerrainLayer, count: int, box: Box) -> _Piece:

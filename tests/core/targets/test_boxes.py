@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tests.core.targets.stacks import rays
 from tests.core.walled import CELL, COLUMN, COLUMN_TOP, DOOR, LINTEL, TOLERANCE, TOP, WALL, walled
 
+from stepfield.errors import TargetError
 from stepfield.parameters import Parameters
 from stepfield.pipeline import Pipeline
 from stepfield.scan.write import write
@@ -21,6 +22,7 @@ from stepfield.simulate import worlds
 from stepfield.simulate.drive import drive
 from stepfield.simulate.route import Route, parse_commands, parse_start
 from stepfield.stack import write_stack
+from stepfield.targets import mujoco as mujoco_target
 from stepfield.targets.boxes import as_boxes, boxes, feet
 from stepfield.targets.terrain import Terrain, TerrainLayer
 from stepfield.targets.writing import write_targets
@@ -182,6 +184,14 @@ def test_a_ball_stops_at_walls_and_rolls_through_the_door_in_pybullet(exported: 
         pybullet.disconnect(client)
     assert end(way, place[0])
     assert place[2] == pytest.approx(BALL, abs=0.05)
+
+
+def test_more_boxes_than_mujoco_loads_are_refused(
+    room: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mujoco_target, "MOST_BOXES", 3)
+    with pytest.raises(TargetError, match="more than 3 boxes; build the stack with a larger"):
+        write_targets(room, ["mujoco"], tmp_path / "out")
 
 
 def test_the_robot_stops_at_the_wall_and_passes_the_door(room: Path) -> None:
