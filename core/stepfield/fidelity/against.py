@@ -11,7 +11,16 @@ from numpy.typing import NDArray
 from stepfield.fidelity.errors import mean_errors
 from stepfield.fidelity.figures import Fidelity
 from stepfield.fidelity.measure import measure
-from stepfield.fidelity.reconstructions import Layers, Way, layers_of, surface_of
+from stepfield.fidelity.reconstructions import (
+    NO_BOTTOMS,
+    Bottoms,
+    Layers,
+    Way,
+    bottoms_of,
+    chosen_way,
+    layers_of,
+    surface_of,
+)
 from stepfield.grid import Grid
 from stepfield.progress import Progress, part, silent
 from stepfield.reconstruction import Reconstruction
@@ -44,6 +53,7 @@ def compare(
     link_step: float,
     tolerance: float,
     *,
+    bottoms: Bottoms = NO_BOTTOMS,
     besides: Sequence[Mesh] = (),
     most: int | None = None,
     progress: Progress = silent,
@@ -61,6 +71,8 @@ def compare(
         How they are reconstructed.
     link_step, tolerance : float
         Metres.
+    bottoms : mapping of int to ndarray
+        Where the pillars of layers of obstacles begin.
     besides : sequence of Mesh
         What else is there: the mesh of complex parts.
     most : int, optional
@@ -68,7 +80,7 @@ def compare(
     progress : Progress
     """
     progress(0.0, "reconstructing the layers")
-    surface = surface_of(grid, layers, way, link_step, besides)
+    surface = surface_of(grid, layers, way, link_step, bottoms, besides)
     chosen = scan if most is None else scan.thinned(most)
     measured = measure(chosen, surface, part(progress, 0.1, 0.95))
     fidelity = Fidelity.of_measured(measured, len(scan), tolerance, surface.reach)
@@ -76,17 +88,27 @@ def compare(
 
 
 def compare_result(
-    result: Reconstruction, way: Way = "edges", *, most: int | None = None, progress: Progress = silent
+    result: Reconstruction,
+    way: Way | None = None,
+    *,
+    besides: Sequence[Mesh] = (),
+    most: int | None = None,
+    progress: Progress = silent,
 ) -> Comparison:
-    """Compare a result with the scan it was made from; see :func:`compare`."""
+    """Compare a result with its scan, reconstructed as its parameters say unless another way is given.
+
+    See :func:`compare`.
+    """
     chosen = result.parameters
     return compare(
         result.scan,
         result.field.compartments.grid,
         layers_of(result),
-        way,
+        way or chosen_way(chosen),
         float(chosen.link_step),
         float(chosen.layer_tolerance),
+        bottoms=bottoms_of(result),
+        besides=besides,
         most=most,
         progress=progress,
     )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -12,13 +13,16 @@ from stepfield.fidelity.surface import Surface
 from stepfield.grid import Grid
 from stepfield.parameters import Parameters
 from stepfield.reconstruction import Reconstruction
-from stepfield.surface import Mesh, as_edges, as_simulator
+from stepfield.surface import Mesh, as_edges, as_pillars, as_simulator
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 #: Compartments, ascending, and elevations (scan coordinates, metres) of the pillars of each layer.
 Layers = Sequence[tuple[Integers, Floats]]
+#: Elevations at which the pillars of some layers begin, by their place: those of obstacles, which are solid.
+Bottoms = Mapping[int, Floats]
+NO_BOTTOMS: Bottoms = MappingProxyType({})
 #: ``pillars``: a flat square a compartment. ``simulator``: a vertex a pixel, two triangles where four are
 #: occupied. ``edges``: exactly the compartments, sharing corners where pillars continue each other.
 Way = Literal["pillars", "simulator", "edges"]
@@ -35,10 +39,22 @@ def layers_of(result: Reconstruction) -> Layers:
 
 def chosen_way(parameters: Parameters) -> Way:
     """Return the way of reconstruction that parameters ask for."""
-    return "edges"
+    return parameters.reconstruction
 
 
-def meshes_of(grid: Grid, layers: Layers, way: Way, link_step: float) -> list[Mesh]:
+def bottoms_of(result: Reconstruction) -> Bottoms:
+    """Return where the pillars of a result's obstacles begin."""
+    field = result.field
+    return {
+        layer.index: field.lows(layer.pillars) + field.compartments.lowest
+        for layer in result.layers
+        if layer.is_obstacles
+    }
+
+
+def meshes_of(
+    grid: Grid, layers: Layers, way: Way, link_step: float, bottoms: Bottoms = NO_BOTTOMS
+) -> list[Mesh]:
     """Make one mesh a layer.
 
     Parameters
@@ -50,21 +66,34 @@ def meshes_of(grid: Grid, layers: Layers, way: Way, link_step: float) -> list[Me
         How they are reconstructed.
     link_step : float
         Greatest difference in elevation of two neighbours that continue each other, metres.
+    bottoms : mapping of int to ndarray
+        Elevations at which the pillars of layers of obstacles begin: these are blocks.
     """
+    surfaces = [layer for number, layer in enumerate(layers) if number not in bottoms]
     if way == "edges":
-        return as_edges(grid, layers, link_step)
-    make = _flat if way == "pillars" else as_simulator
-    return [make(grid, *layer) for layer in layers]
+        drawn = iter(as_edges(grid, surfaces, link_step))
+    else:
+        make = _flat if way == "pillars" else as_simulator
+        drawn = iter([make(grid, *layer) for layer in surfaces])
+    return [
+        as_pillars(grid, *layer, bottoms[number]) if number in bottoms else next(drawn)
+        for number, layer in enumerate(layers)
+    ]
 
 
 def surface_of(
-    grid: Grid, layers: Layers, way: Way, link_step: float, besides: Sequence[Mesh] = ()
+    grid: Grid,
+    layers: Layers,
+    way: Way,
+    link_step: float,
+    bottoms: Bottoms = NO_BOTTOMS,
+    besides: Sequence[Mesh] = (),
 ) -> Surface:
     """Make the surface of layers, as :func:`meshes_of` does, to measure from.
 
     Its parts are the layers, then the meshes ``besides``: those of complex parts.
     """
-    meshes = [*meshes_of(grid, layers, way, link_step), *besides]
+    meshes = [*meshes_of(grid, layers, way, link_step, bottoms), *besides]
     if way != "simulator":
         return Surface.of(meshes, grid)
     half = grid.cell_size / 2  # between four pixels lies one square

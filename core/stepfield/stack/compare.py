@@ -16,7 +16,7 @@ from stepfield.fidelity import (
     layer_figures,
     true_mesh,
 )
-from stepfield.fidelity.reconstructions import Layers, Way, chosen_way, meshes_of, surface_of
+from stepfield.fidelity.reconstructions import Bottoms, Layers, Way, chosen_way, meshes_of, surface_of
 from stepfield.progress import Progress, part
 from stepfield.scan import open_scan
 from stepfield.stack.read import Stack
@@ -27,7 +27,7 @@ class Compared:
 
     def __init__(self, stack: Stack) -> None:
         self._stack = stack
-        self._layers = _layers(stack)
+        self._layers, self._bottoms = _layers(stack)
         mesh = stack.complex_mesh()
         self._besides = [] if mesh is None else [mesh]
 
@@ -51,6 +51,7 @@ class Compared:
             self.way,
             self._link_step,
             self._tolerance,
+            bottoms=self._bottoms,
             besides=self._besides,
             progress=part(progress, 0.5, 1),
         ).fidelity
@@ -65,8 +66,8 @@ class Compared:
     def with_truth(self, source: str, progress: Progress) -> TruthFidelity:
         """Compare with the true surfaces: a scene's name, its description, or a mesh file."""
         grid, truth = self._stack.grid, true_mesh(source)
-        surface = surface_of(grid, self._layers, self.way, self._link_step, self._besides)
-        meshes = meshes_of(grid, self._layers, self.way, self._link_step)
+        surface = surface_of(grid, self._layers, self.way, self._link_step, self._bottoms, self._besides)
+        meshes = meshes_of(grid, self._layers, self.way, self._link_step, self._bottoms)
         return against_truth([*meshes, *self._besides], surface, truth, self._tolerance, progress=progress)
 
     @property
@@ -80,10 +81,13 @@ class Compared:
         return step if isinstance(step, float) else self._tolerance
 
 
-def _layers(stack: Stack) -> Layers:
-    made = []
+def _layers(stack: Stack) -> tuple[Layers, Bottoms]:
+    made, bottoms = [], {}
     for entry in stack.manifest.layers:
         elevation = stack.elevations(entry).ravel()
         compartment = np.flatnonzero(~np.isnan(elevation))
         made.append((compartment, elevation[compartment]))
-    return made
+        lower = stack.bottoms(entry)
+        if lower is not None:
+            bottoms[entry.index] = lower.ravel()[compartment]
+    return made, bottoms

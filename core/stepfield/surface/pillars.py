@@ -12,7 +12,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-def as_pillars(grid: Grid, compartment: Integers, top: Floats, base: float) -> Mesh:
+def as_pillars(grid: Grid, compartment: Integers, top: Floats, base: float | Floats) -> Mesh:
     """Blocks from the base plane to each pillar's top (5.1): five faces, the base is never seen.
 
     Parameters
@@ -21,8 +21,8 @@ def as_pillars(grid: Grid, compartment: Integers, top: Floats, base: float) -> M
     compartment : ndarray of shape (P,)
     top : ndarray of shape (P,)
         Elevations, metres.
-    base : float
-        Elevation of the base plane, metres.
+    base : float or ndarray of shape (P,)
+        Elevation of the base plane, or of each pillar's lower end, metres.
     """
     west, south, east, north = grid.squares(compartment).T
     corners = [(west, south), (east, south), (east, north), (west, north)]

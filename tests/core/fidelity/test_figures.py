@@ -8,12 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.conftest import scan_of
+from tests.core.walled import CELL, TOLERANCE, walled
 
 from stepfield.compartments import sort_into_compartments
 from stepfield.fidelity import Fidelity, Way, compare, compare_result, holes, layer_figures, near_gaps
 from stepfield.grid import Grid
 from stepfield.parameters import Parameters
 from stepfield.pipeline import Pipeline
+from stepfield.stack import write_stack
+from stepfield.stack.check import check_stack
 
 WAYS: tuple[Way, ...] = ("pillars", "simulator", "edges")
 GRID = Grid(100.0, 200.0, 1.0, 3, 2)
@@ -117,3 +120,20 @@ def test_gaps_near_the_tolerance_are_found_on_either_side() -> None:
     assert gaps == {
         n: pytest.approx(gap) for n, gap in ((0, 0.39), (1, 0.41), (2, 0.61), (3, 0.52), (5, 0.49))
     }
+
+
+def test_obstacles_are_solid(tmp_path: Path) -> None:
+    """Points on a wall are at the side of its block, not metres below its top."""
+    np.save(tmp_path / "scan.npy", walled())
+    made = {}
+    for walls in ("mean", "layer"):
+        parameters = Parameters.checked(cell_size=CELL, layer_tolerance=TOLERANCE, walls=walls)
+        result = Pipeline().run([tmp_path / "scan.npy"], parameters)
+        made[walls] = compare_result(result).fidelity.nearest
+        write_stack(result, tmp_path / walls)
+        checked = check_stack(tmp_path / walls, [tmp_path / "scan.npy"])
+        assert checked.faults == ()
+        assert checked.fidelity is not None
+        assert checked.fidelity.nearest.rmse == pytest.approx(made[walls].rmse, abs=1e-3)
+    assert made["layer"].max < CELL
+    assert made["layer"].max < made["mean"].max
