@@ -21,6 +21,8 @@ LEFT_WIDTH, RIGHT_WIDTH, BOTTOM_SHARE = 296, 272, 0.36
 WIDE = 1400
 #: Map and profile share a place where there are fewer pixels for both.
 SIDE_BY_SIDE = 600
+#: Height of the figures of fidelity with their strip: all of them can be seen.
+FIDELITY_HEIGHT = 232
 #: Side of the icon of the button that hides a panel.
 HIDE_SIZE = 14
 #: A side panel is never narrower: numbers would be cut.
@@ -35,6 +37,7 @@ class Docks:
     cleaning: QDockWidget
     elevations: QDockWidget
     layers: QDockWidget
+    fidelity: QDockWidget
     history: QDockWidget
     edits: QDockWidget
     suspects: QDockWidget
@@ -49,6 +52,7 @@ class Docks:
             self.cleaning,
             self.elevations,
             self.layers,
+            self.fidelity,
             self.history,
             self.edits,
             self.suspects,
@@ -116,7 +120,7 @@ def arrange(window: QMainWindow, docks: Docks) -> None:
     window.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, QTabWidget.TabPosition.North)
     window.setCorner(Qt.Corner.BottomLeftCorner, LEFT)
     window.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
-    for dock, area in zip(docks.all, (LEFT, LEFT, LEFT, *4 * [RIGHT], BOTTOM, BOTTOM), strict=True):
+    for dock, area in zip(docks.all, (LEFT, LEFT, LEFT, *5 * [RIGHT], BOTTOM, BOTTOM), strict=True):
         dock.setFloating(False)
         window.addDockWidget(area, dock)
         dock.show()
@@ -125,7 +129,8 @@ def arrange(window: QMainWindow, docks: Docks) -> None:
         docks.parameters, docks.cleaning
     )  # after the split, or it would take in all three
     docks.parameters.raise_()
-    window.splitDockWidget(docks.layers, docks.history, Qt.Orientation.Vertical)
+    window.splitDockWidget(docks.layers, docks.fidelity, Qt.Orientation.Vertical)
+    window.splitDockWidget(docks.fidelity, docks.history, Qt.Orientation.Vertical)
     for other in (docks.edits, docks.suspects):
         window.tabifyDockWidget(docks.history, other)
     docks.history.raise_()
@@ -144,9 +149,8 @@ def arrange(window: QMainWindow, docks: Docks) -> None:
     window.resizeDocks(
         [docks.parameters, docks.elevations], [int(height * 0.6), int(height * 0.4)], Qt.Orientation.Vertical
     )
-    window.resizeDocks(
-        [docks.layers, docks.history], [int(height * 0.7), int(height * 0.3)], Qt.Orientation.Vertical
-    )
+    shares = [int(height * 0.54), FIDELITY_HEIGHT, int(height * 0.46) - FIDELITY_HEIGHT]
+    window.resizeDocks([docks.layers, docks.fidelity, docks.history], shares, Qt.Orientation.Vertical)
 
 
 def restore(window: QMainWindow, settings: Settings, *, with_size: bool) -> None:

@@ -18,6 +18,7 @@ from stepfield_app.document import Document
 from stepfield_app.editor import Editor
 from stepfield_app.feeds.complex_feed import ComplexFeed
 from stepfield_app.feeds.demo_feed import DemoFeed
+from stepfield_app.feeds.fidelity_feed import FidelityFeed
 from stepfield_app.feeds.lead import Lead
 from stepfield_app.feeds.plot_feed import PlotFeed
 from stepfield_app.feeds.recolour_feed import RecolourFeed
@@ -29,6 +30,7 @@ from stepfield_app.feeds.suspect_feed import SuspectFeed
 from stepfield_app.first_paint import FirstPaint
 from stepfield_app.opening import DropTarget
 from stepfield_app.panels.cleaning import CleaningPanel
+from stepfield_app.panels.fidelity import FidelityPanel
 from stepfield_app.panels.history import HistoryPanel
 from stepfield_app.panels.layers import LayersPanel
 from stepfield_app.panels.layers_editing import LayersEditing
@@ -47,6 +49,7 @@ from stepfield_app.views.marks import MarkBox, Marks
 from stepfield_app.views.message_bar import MessageBar
 from stepfield_app.views.profile import ProfileView
 from stepfield_app.views.status import Status
+from stepfield_app.views.strip import Strip
 from stepfield_app.views.trio import Trio
 from stepfield_app.views.welcome import WelcomePage
 from stepfield_app.wording import advice
@@ -125,6 +128,7 @@ class MainWindow(QMainWindow):
         self.map, self.profile, self.histogram = MapView(), ProfileView(), HistogramView()
         self.parameters, self.cleaning = ParametersPanel(self.document), CleaningPanel(self.document)
         self.layers, self.history = LayersPanel(self.document), HistoryPanel(self.document)
+        self.fidelity = FidelityPanel(Strip("Fidelity"))
         self.layer_editing = LayersEditing(self.document, self.layers, self.editor)
         self.moves, self.suspects = MovesPanel(self.document, self.editor), SuspectsPanel()
         self.marks, self.mark_box = Marks(), MarkBox()
@@ -137,6 +141,7 @@ class MainWindow(QMainWindow):
             cleaning=docks.docked(self, "Cleaning", self.cleaning, docks.LEFT),
             elevations=docks.docked(self, "Elevations", self.histogram, docks.LEFT),
             layers=docks.docked(self, "Layers", self.layers, docks.RIGHT),
+            fidelity=docks.docked(self, "Fidelity", self.fidelity, docks.RIGHT),
             history=docks.docked(self, "History", self.history, docks.RIGHT),
             edits=docks.docked(self, "Edits", self.moves, docks.RIGHT),
             suspects=docks.docked(self, "Suspicious places", self.suspects, docks.RIGHT),
@@ -150,6 +155,8 @@ class MainWindow(QMainWindow):
         self.plot_feed = PlotFeed(
             self.document, self.scene_feed, self.map, self.profile, self.histogram, self.layers
         )
+        self.fidelity_feed = FidelityFeed(self.document, self.fidelity)
+        self.fidelity_feed.changed.connect(self.plot_feed.set_facts)
         self.status_feed = StatusFeed(self.document, self.status, self.trio, self.map, self.scene_feed)
         self.stray_feed = StrayFeed(self.document, self.cleaning, self.scene_feed)
         self.demo_feed = DemoFeed(self)
@@ -171,8 +178,8 @@ class MainWindow(QMainWindow):
     @property
     def _feeds(self) -> tuple[Feed, ...]:
         """What asks workers for pictures, in the order in which it has to end."""
-        plans = self.suspect_feed, self.selection_feed, self.plot_feed, self.stray_feed
-        return *plans, self.complex_feed, self.recolour_feed, self.scene_feed
+        plans = self.suspect_feed, self.selection_feed, self.fidelity_feed, self.plot_feed
+        return *plans, self.stray_feed, self.complex_feed, self.recolour_feed, self.scene_feed
 
     def _connect(self) -> None:
         document = self.document
@@ -190,6 +197,7 @@ class MainWindow(QMainWindow):
             says.connect(self.status.say)
         document.undo_stack.indexChanged.connect(lambda _: self.status.clearMessage())  # undone, perhaps
         self.layers.visibility_changed.connect(self._show_layers)
+        self.fidelity.map_wanted.connect(self.show_map)
         self.moves.places_shown.connect(self.selection_feed.show_places)
         self.cleaning.crop_tool_requested.connect(self.crop_tool.set_active)
         self.cleaning.crop_tool_requested.connect(self._show_cleaning)
@@ -209,6 +217,12 @@ class MainWindow(QMainWindow):
     def open_scans(self, files: Sequence[Path], parameters: Parameters | None = None) -> None:
         """Open the files of one scan, or a project; the present one stays until the new one has been read."""
         self.filing.open(files, parameters)
+
+    def show_map(self, mode: str) -> None:
+        """Show the map, drawn in one of its ways."""
+        self.docks.map.show()
+        self.docks.map.raise_()
+        self.map.set_mode(mode)
 
     def cancel(self) -> None:
         """Stop what is being made."""

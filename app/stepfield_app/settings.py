@@ -16,7 +16,7 @@ Files = tuple[Path, ...]
 
 MOST_RECENT = 10
 #: Raise it when docks are renamed or added: an older arrangement is then left alone.
-ARRANGEMENT = 2
+ARRANGEMENT = 3
 
 
 class Settings:

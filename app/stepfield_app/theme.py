@@ -74,9 +74,18 @@ WALL_COLOUR = "#f03c32"
 OUTLINES = {"selection": "#ffffff", "place": "#ff66f5"}
 HALO = "#101216"
 
-#: Ramps by what they show: names of cmap's catalogue, and where in them to begin. The darkest tenth of batlow
-#: would vanish on a dark ground.
-RAMPS = {"height": ("crameri:batlow", 0.1), "intensity": ("gray", 0.0), "error": ("crameri:vik", 0.0)}
+#: Colours of what is wrong with a layer, over its relief in gray.
+OVERLAYS = {"hole": "#ffb000"}
+
+#: Ramps by what they show: names of cmap's catalogue, and where in them to begin and to end. The darkest
+#: tenth of batlow would vanish on a dark ground.
+RAMPS = {
+    "height": ("crameri:batlow", 0.1, 1.0),
+    "intensity": ("gray", 0.0, 1.0),
+    "error": ("colorbrewer:RdBu_r", 0.0, 1.0),
+    "clearance": ("crameri:lajolla", 0.15, 0.9),
+    "lost": ("colorbrewer:YlOrRd", 0.1, 1.0),
+}
 
 
 def layer_colour(index: int) -> str:
@@ -94,7 +103,7 @@ def ramp(what: str) -> Palette:
     """Return the ramp of :data:`RAMPS` as an array of shape (256, 3), read-only."""
     from cmap import Colormap  # the window is up before anything needs a ramp
 
-    name, start = RAMPS[what]
-    colours = np.rint(Colormap(name)(np.linspace(start, 1, 256))[:, :3] * 255).astype(np.uint8)
+    name, start, end = RAMPS[what]
+    colours = np.rint(Colormap(name)(np.linspace(start, end, 256))[:, :3] * 255).astype(np.uint8)
     colours.flags.writeable = False
     return colours

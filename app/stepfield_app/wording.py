@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 
 #: Parts groups of digits; a line never breaks there.
 _GROUP = "\N{NARROW NO-BREAK SPACE}"
@@ -63,6 +64,38 @@ def number(value: float, digits: int = 0) -> str:
 def metres(value: float, digits: int = 2) -> str:
     """Write a length or an elevation with its unit."""
     return f"{number(value, digits)} m" if math.isfinite(value) else UNKNOWN
+
+
+def distance(value: float) -> str:
+    """Write a small length in a unit that suits it: 4.7 mm, 1.2 cm, 1.58 m."""
+    if not math.isfinite(value):
+        return UNKNOWN
+    if abs(value) < 0.00995:
+        return f"{number(1000 * value, 1)} mm"
+    return f"{number(100 * value, 1)} cm" if abs(value) < 0.9995 else metres(value)
+
+
+def share(value: float) -> str:
+    """Write a share as per cent, never as a round hundred that it is not: 99.1 %."""
+    digits = 1 if value <= 0.9995 or value == 1 else 2 if value <= 0.99995 else 3
+    return f"{number(100 * min(value, 0.99999 if value < 1 else 1), digits)} %"
+
+
+def area(value: float) -> str:
+    """Write an area in square metres."""
+    return f"{number(value, 0 if value >= 100 else 2)} m²"
+
+
+def reading(mode: str, value: float, names: Sequence[str] = ()) -> str:
+    """Say what an overlay of the map shows at a place; nothing where it shows nothing."""
+    if not math.isfinite(value):
+        return ""
+    if names:
+        return names[int(value)]
+    if mode == "error":
+        return f"scan {distance(abs(value))} {'above' if value > 0 else 'below'}"
+    words = {"gaps": "gap of {}", "clearance": "{} of room", "lost": "{} not drawn"}
+    return words[mode].format(f"{number(value)} %" if mode == "lost" else distance(value))
 
 
 def digits_for(step: float) -> int:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from stepfield_app import docks
 from stepfield_app.actions import Actions
 from stepfield_app.render.scene import CLOUD, PILLARS, RECONSTRUCTION, VIEWS
+from stepfield_app.views.pictures import MODES
 
 if TYPE_CHECKING:
     from stepfield_app.main_window import MainWindow
@@ -51,6 +52,19 @@ def make(actions: Actions, window: MainWindow) -> None:
         )
         action.setChecked(choice == window.appearance.choice)
     actions.exclusive([f"theme {choice}" for choice in ("system", "light", "dark")])
+    for place, (mode, (text, tip)) in enumerate(MODES.items(), 1):
+        name = f"map {mode}"
+        make(
+            name,
+            f"&{place} {text}",
+            partial(_show_map, window, mode),
+            keys=f"Alt+{place}",
+            tip=tip,
+            checkable=True,
+        )
+    actions.exclusive([f"map {mode}" for mode in MODES])
+    actions[f"map {window.map.mode}"].setChecked(True)
+    window.map.mode_changed.connect(lambda mode: actions[f"map {mode}"].setChecked(True))
     make("panels", "Put the panels &back", partial(docks.arrange, window, window.docks), needs_scan=False)
 
 
@@ -59,9 +73,15 @@ def fill(actions: Actions, window: MainWindow) -> None:
     view = actions.menu("&View", ["iso", "top", "front", "side", "fit", "parallel", None, "all views"])
     actions.fill(view, [f"only {name}" for name in VIEWS])
     view.addSeparator()
+    actions.fill(view.addMenu("Ma&p"), [f"map {mode}" for mode in MODES])
     window.docks.fill(view.addMenu("Panel&s"))
     actions.fill(view, ["panels"])
     actions.fill(view.addMenu("T&heme"), [f"theme {choice}" for choice in ("system", "light", "dark")])
+
+
+def _show_map(window: MainWindow, mode: str, is_chosen: bool) -> None:
+    if is_chosen and mode != window.map.mode:
+        window.show_map(mode)
 
 
 def _choose_theme(window: MainWindow, choice: str, is_chosen: bool) -> None:

@@ -18,6 +18,7 @@ from stepfield_app.feeds.scene_feed import SceneFeed
 from stepfield_app.newest import NewestWins
 from stepfield_app.panels.layers import LayersPanel
 from stepfield_app.requests import Answer
+from stepfield_app.scenes.fidelity import FidelityFacts
 from stepfield_app.scenes.palette import layer_colours
 from stepfield_app.views.histogram import HistogramView
 from stepfield_app.views.line import ProfileLine
@@ -46,6 +47,7 @@ class PlotFeed(QObject):
         super().__init__(document)
         self._document, self._scene_feed = document, scene_feed
         self._map, self._profile, self._histogram, self._layers = map_view, profile, histogram, layers
+        self._facts: FidelityFacts | None = None
         self._maps = self._worker(map_picture, "map", self._show_map)
         self._panels = self._worker(PanelDrawing(), "layers panel", self._show_panel)
         self._sections = self._worker(Cutting(), "profile", self._show_section, PROFILE_PACE)
@@ -79,6 +81,12 @@ class PlotFeed(QObject):
         """End the workers."""
         for worker in self._workers:
             worker.close()
+
+    def set_facts(self, facts: FidelityFacts | None) -> None:
+        """Take what is newly known of how true a result is."""
+        self._facts = facts
+        if facts is not None and self._map.mode == "error":
+            self._draw(self._map.layer, "error")
 
     # --- Asking ---------------------------------------------------------------------------------------------
 
@@ -126,7 +134,8 @@ class PlotFeed(QObject):
     def _draw(self, layer: int, mode: str) -> None:
         answer = self._document.answer
         if answer is not None and layer < len(answer.result.layers):
-            self._maps.ask(MapWish(answer, layer, mode, self._colours(answer), self._document.held))
+            held = self._document.held
+            self._maps.ask(MapWish(answer, layer, mode, self._colours(answer), held, self._facts))
 
     def _cut(self) -> None:
         answer, cloud, line = self._document.answer, self._scene_feed.cloud, self._map.line

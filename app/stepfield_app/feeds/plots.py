@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +13,14 @@ from stepfield.progress import Progress
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.requests import Answer
 from stepfield_app.scenes.cloud import Cloud
+from stepfield_app.scenes.fidelity import FidelityFacts
+from stepfield_app.scenes.overlays import Overlay, overlay
 from stepfield_app.scenes.palette import UNASSIGNED_CODE
-from stepfield_app.scenes.raster import raster
+from stepfield_app.scenes.raster import Raster, raster
 from stepfield_app.scenes.section import Band, band, section
 from stepfield_app.scenes.thinned import coarse_grid, stride_for
 from stepfield_app.views.line import ProfileLine
-from stepfield_app.views.pictures import MapPicture, Section
+from stepfield_app.views.pictures import OVERLAYS, MapPicture, Section
 
 Colours = NDArray[np.uint8]
 #: Compartments of a map while a hand moves.
@@ -29,7 +31,8 @@ QUICK_PIXELS = 120_000
 class MapWish:
     """A layer to draw from above; ``colours`` has a row a layer and one for Unassigned.
 
-    While a hand moves a ``quick`` picture will do: of a large map only some of the compartments.
+    While a hand moves a ``quick`` picture will do: of a large map only some of the compartments. Errors are
+    drawn of the result that ``facts`` are of: a newer one's are still being found out.
     """
 
     answer: Answer
@@ -37,6 +40,7 @@ class MapWish:
     mode: str
     colours: Colours
     quick: bool = False
+    facts: FidelityFacts | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +55,16 @@ class SectionWish:
 
 def map_picture(wish: MapWish, progress: Progress) -> MapPicture:
     """Draw a layer from above."""
-    result: Reconstruction = wish.answer.result
-    mode: Any = wish.mode
+    result, mode = _drawn_result(wish), cast("Any", wish.mode)
     grid = result.field.compartments.grid
     stride = stride_for(len(grid), QUICK_PIXELS) if wish.quick and mode != "gray" else 1
-    drawn, grid = raster(result, wish.layer, mode, stride=stride), coarse_grid(grid, stride)
+    grid = coarse_grid(grid, stride)
+    drawn: Raster | Overlay
+    if mode in OVERLAYS:
+        errors = wish.facts.comparison.errors if wish.facts is not None else ()
+        drawn = overlay(result, wish.layer, mode, errors, wish.colours, stride)
+    else:
+        drawn = raster(result, wish.layer, mode, stride=stride)
     return MapPicture(
         layer=wish.layer,
         name=_name(result, wish.layer),
@@ -67,7 +76,17 @@ def map_picture(wish: MapWish, progress: Progress) -> MapPicture:
         north=grid.south + grid.rows * grid.cell_size,
         cell_size=grid.cell_size,
         legend=drawn.legend,
+        values=drawn.values if isinstance(drawn, Overlay) else None,
+        names=drawn.names if isinstance(drawn, Overlay) else (),
+        mode=mode,
     )
+
+
+def _drawn_result(wish: MapWish) -> Reconstruction:
+    facts = wish.facts
+    if wish.mode == "error" and facts is not None and wish.layer < len(facts.result.layers):
+        return facts.result
+    return wish.answer.result
 
 
 class Cutting:

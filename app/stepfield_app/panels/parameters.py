@@ -74,6 +74,11 @@ PAD = Described("pad", "Padding", "Widen the images to powers of two, as most si
 WHITE = Described(
     "range", "White", "Whose greatest height is white: that of all layers, or of each layer its own"
 )
+CLEARANCE = Described(
+    "clearance",
+    "Clearance",
+    "Write beside each layer how much room is above it: does a robot fit under the table?",
+)
 
 OPTIONS: dict[str, tuple[tuple[str, Any], ...]] = {
     "layering": (("by elevation", "elevation"), ("by surface", "surface"), ("by rank", "rank")),
@@ -89,6 +94,7 @@ OPTIONS: dict[str, tuple[tuple[str, Any], ...]] = {
     "max_layers": (("auto", "auto"), ("no limit", "none"), *((str(n), n) for n in range(1, 13))),
     "bits": (("16 bits", 16), ("8 bits", 8)),
     "pad": (("powers of two", "pow2"), ("none", "none")),
+    "clearance": (("not written", False), ("written", True)),
     "range": (("shared by all layers", "shared"), ("of each layer", "layer")),
 }
 MOST_POINTS = 1_000_000
@@ -127,7 +133,18 @@ class ParametersPanel(QWidget):
         self.link_step = LengthRow(LINK_STEP, document, self)
         self.complex_residual = LengthRow(COMPLEX_RESIDUAL, document, self)
         self.min_points = CountRow(MIN_POINTS, MOST_POINTS, document, self)
-        described = (LAYERING, PILLAR_HEIGHT, WALLS, RECONSTRUCTION, MAX_LAYERS, COMPLEX, BITS, PAD, WHITE)
+        described = (
+            LAYERING,
+            PILLAR_HEIGHT,
+            WALLS,
+            RECONSTRUCTION,
+            MAX_LAYERS,
+            COMPLEX,
+            BITS,
+            PAD,
+            WHITE,
+            CLEARANCE,
+        )
         self.choices = {each.name: ChoiceRow(each, OPTIONS[each.name], document, self) for each in described}
         self._rows: tuple[LengthRow | CountRow | ChoiceRow, ...] = (
             *(self.cell_size, self.alpha, self.tolerance, self.link_step, self.min_points),
@@ -149,7 +166,7 @@ class ParametersPanel(QWidget):
         second = [self.choices[name] for name in ("layering", "pillar_height", "walls", "reconstruction")]
         layout.addLayout(_grid([*first, *second]))
         more = QWidget()
-        images = [self.choices[name] for name in ("bits", "pad", "range")]
+        images = [self.choices[name] for name in ("bits", "pad", "range", "clearance")]
         meshed = [self.choices["complex_parts"], self.complex_residual]
         more.setLayout(_grid([self.link_step, self.min_points, self.choices["max_layers"], *meshed, *images]))
         layout.addWidget(Fold("More", more))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QComboBox, QVBoxLayout, QWidget
 
 from stepfield_app.controls import named, snug
@@ -10,8 +10,9 @@ from stepfield_app.scenes.legend import Legend
 from stepfield_app.theme import Theme
 from stepfield_app.views.line import ProfileLine
 from stepfield_app.views.map_plot import MapPlot
-from stepfield_app.views.pictures import MODES, MapPicture
+from stepfield_app.views.pictures import MODES, OVERLAYS, MapPicture
 from stepfield_app.views.strip import Strip, tool_button
+from stepfield_app.wording import reading
 
 EMPTY = "Open a scan to see the height-map of the active layer here."
 #: A new line's band is this many compartments wide.
@@ -27,6 +28,8 @@ class MapView(QWidget):
 
     #: Layer and mode of the picture that should come next.
     picture_wanted = Signal(int, str)
+    #: Another way of drawing was chosen.
+    mode_changed = Signal(str)
     #: Start (x, y), end (x, y) and width in metres of the profile line; at every move of it.
     section_wanted = Signal(object, object, float)
     section_ended = Signal()
@@ -40,6 +43,7 @@ class MapView(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._layer = 0
+        self._picture: MapPicture | None = None
         self._is_new = True
         self.plot = MapPlot(self)
         self.plot.setAccessibleName("Map of the active layer")
@@ -60,13 +64,15 @@ class MapView(QWidget):
         self.clear()
 
     def _connect(self) -> None:
-        self._modes.activated.connect(self.ask)
+        self._modes.activated.connect(self._choose)
         self._line_button.toggled.connect(self.set_drawing)
         self._fit_button.clicked.connect(self.plot.fit)
         self.plot.line_changed.connect(self._tell_line)
         self.plot.escaped.connect(lambda: self.set_drawing(False))
         self.plot.hovered.connect(self.cursor_moved)
         self.plot.hover_ended.connect(self.cursor_left)
+        self.plot.hovered.connect(self._read)
+        self.plot.hover_ended.connect(self._read_nothing)
         self._line_button.toggled.connect(self.drawing_changed)
 
     # --- What it shows --------------------------------------------------------------------------------------
@@ -89,7 +95,22 @@ class MapView(QWidget):
     def set_mode(self, mode: str) -> None:
         """Ask for another way of drawing."""
         self._modes.setCurrentIndex(self._modes.findData(mode))
+        self._choose()
+
+    def _choose(self) -> None:
+        self.mode_changed.emit(self.mode)
         self.ask()
+
+    def _read(self, x: float, y: float) -> None:
+        """Say beside the layer's name what the overlay shows under the cursor."""
+        if self._picture is not None and self._picture.values is not None:
+            said = reading(self._picture.mode, self._picture.value_at(x, y), self._picture.names)
+            name = self._picture.name
+            self.strip.set_detail(*((f"{name}: {said}", said) if said else (name,)))
+
+    def _read_nothing(self) -> None:
+        if self._picture is not None:
+            self.strip.set_detail(self._picture.name)
 
     def ask(self) -> None:
         """Ask for the picture of the layer and mode chosen."""
@@ -101,6 +122,7 @@ class MapView(QWidget):
             self.clear()
             return
         self._layer = picture.layer
+        self._picture = picture
         self.strip.set_subject(picture.name, picture.colour)
         self.plot.set_empty_text("")
         self.plot.set_legend(picture.legend or Legend(""))
@@ -112,6 +134,7 @@ class MapView(QWidget):
     def clear(self) -> None:
         """Forget the scan: the next picture is of another one and will be fitted."""
         self._is_new = True
+        self._picture = None
         self.set_drawing(False)
         self.plot.forget()
         self.plot.set_empty_text(EMPTY)
@@ -174,7 +197,9 @@ class MapView(QWidget):
 
 def _mode_box() -> QComboBox:
     box = named(QComboBox(), "How the map is drawn", "What the pixels of the map show")
-    for mode, name in MODES.items():
+    for place, (mode, (name, explanation)) in enumerate(MODES.items()):
         box.addItem(name, mode)
+        box.setItemData(place, explanation, Qt.ItemDataRole.ToolTipRole)
+    box.insertSeparator(len(MODES) - len(OVERLAYS))
     box.setCurrentIndex(box.findData(FIRST_MODE))
     return snug(box)

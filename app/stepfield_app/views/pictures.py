@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from dataclasses import field as made_by
 
@@ -12,8 +13,20 @@ from stepfield.pillars import StepField
 from stepfield_app.scenes.legend import Legend
 
 Place = tuple[float, float]
-#: Ways to draw a map, and what the window calls them.
-MODES = {"gray": "As exported", "colour": "Elevation", "hillshade": "Hillshade"}
+#: Ways to draw a map, what the window calls them, and what they show.
+MODES = {
+    "gray": ("As exported", "The gray levels of the exported image"),
+    "colour": ("Elevation", "Colours by elevation"),
+    "hillshade": ("Hillshade", "Colours by elevation, with light from the north-west"),
+    "error": ("Error", "How far the points of each compartment are above or below the layer, on average"),
+    "seams": ("Seams", "Where a surface goes on in another layer"),
+    "holes": ("Holes", "Empty compartments that the layer encloses"),
+    "gaps": ("Close gaps", "Where a vertical gap is so near the tolerance that a small move of it tells"),
+    "clearance": ("Clearance", "Room up to what is above: does a robot fit?"),
+    "lost": ("Not drawn", "What a simulator that puts a vertex into each pixel does not draw"),
+}
+#: The modes that mark what is wrong.
+OVERLAYS = ("error", "seams", "holes", "gaps", "clearance", "lost")
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +46,12 @@ class MapPicture:
     cell_size : float
         Metres.
     legend : Legend or None
+    values : ndarray of shape (rows, columns), float32, or None
+        What an overlay's colours stand for, NaN where there is none.
+    names : tuple of str
+        What ``values`` stand for where they are places in it.
+    mode : str
+        One of :data:`MODES`.
     """
 
     layer: int
@@ -45,6 +64,18 @@ class MapPicture:
     north: float
     cell_size: float
     legend: Legend | None = None
+    values: NDArray[np.float32] | None = None
+    names: tuple[str, ...] = ()
+    mode: str = ""
+
+    def value_at(self, x: float, y: float) -> float:
+        """Return the overlay's value at a place in scan coordinates, metres; NaN where it has none."""
+        if self.values is None or not (self.west <= x < self.east and self.south <= y < self.north):
+            return math.nan
+        rows, columns = self.values.shape
+        row = int((self.north - y) / (self.north - self.south) * rows)
+        column = int((x - self.west) / (self.east - self.west) * columns)
+        return float(self.values[min(row, rows - 1), min(column, columns - 1)])
 
 
 @dataclass(frozen=True, eq=False)

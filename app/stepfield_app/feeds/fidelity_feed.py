@@ -1,0 +1,117 @@
+"""Finds out how true a result is: at once from an even draw of its points, from all of them once it rests."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from stepfield.progress import Progress
+from stepfield.reconstruction import Reconstruction
+from stepfield_app.document import Document
+from stepfield_app.newest import NewestWins
+from stepfield_app.panels.fidelity import FidelityPanel
+from stepfield_app.requests import Answer
+from stepfield_app.scenes.fidelity import FidelityFacts, fidelity_facts
+
+#: Points compared while a hand moves, and of larger scans before all are.
+DRAWN = 60_000
+#: Scans up to this size are compared whole at rest, without a draw first.
+FEW = 250_000
+#: Milliseconds of quiet before all points of a larger scan are compared: the views come first.
+QUIET = 700
+
+
+@dataclass(frozen=True, eq=False)
+class _Wish:
+    """A result, and how many of its points to compare at most; None for all."""
+
+    result: Reconstruction
+    most: int | None
+
+
+class FidelityFeed(QObject):
+    """Keeps the fidelity panel, and whoever else wants to know, true to the document."""
+
+    failed = Signal(object)  # exception
+    #: FidelityFacts, or None once there is no result.
+    changed = Signal(object)
+
+    def __init__(self, document: Document, panel: FidelityPanel) -> None:
+        super().__init__(document)
+        self._document, self._panel = document, panel
+        self._facts: FidelityFacts | None = None
+        self._worker = NewestWins[_Wish, FidelityFacts](_found, "fidelity", self)
+        self._worker.answered.connect(lambda _, facts: self._take(facts))
+        self._worker.failed.connect(lambda _, error: self.failed.emit(error))
+        self._quiet = QTimer(self, singleShot=True, interval=QUIET)
+        self._quiet.timeout.connect(self._compare_all)
+        document.answer_changed.connect(self._follow)
+        document.held_changed.connect(lambda _: self._settle())
+        document.pending_changed.connect(lambda _: self._mark())
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether the newest result's figures are shown, be they of an even draw of a large scan's points."""
+        return self._document.answer is None or self._is_newest or not self._worker.busy
+
+    def close(self) -> None:
+        """End the worker."""
+        self._quiet.stop()
+        self._worker.close()
+
+    @property
+    def _is_newest(self) -> bool:
+        answer = self._document.answer
+        return self._facts is not None and answer is not None and self._facts.result is answer.result
+
+    def _follow(self, answer: Answer | None) -> None:
+        self._quiet.stop()
+        if answer is None:
+            self._facts = None
+            self._worker.cancel()
+            self._panel.set_facts(None)
+            self.changed.emit(None)
+            return
+        running = self._worker.running
+        if running is not None and running.most is None:
+            self._worker.cancel()  # it would take too long
+        is_small = len(answer.result.scan) <= FEW and not self._document.held
+        self._worker.ask(_Wish(answer.result, None if is_small else DRAWN))
+        self._mark()
+
+    def _take(self, facts: FidelityFacts) -> None:
+        """Show figures; while a hand moves also those of a result that is no longer the newest."""
+        self._facts = facts
+        self._panel.set_facts(facts)
+        self._mark()
+        self.changed.emit(facts)
+        self._settle()
+
+    def _settle(self) -> None:
+        """Compare all points after a moment of quiet, once no newer result is on its way."""
+        if not self._document.held and self._is_newest and self._is_drawn:
+            self._quiet.start()
+
+    def _compare_all(self) -> None:
+        answer = self._document.answer
+        busy = self._document.held or self._document.pending or self._worker.busy
+        if (
+            answer is not None
+            and not answer.request.quick
+            and not busy
+            and self._is_newest
+            and self._is_drawn
+        ):
+            self._worker.ask(_Wish(answer.result, None))
+
+    @property
+    def _is_drawn(self) -> bool:
+        return self._facts is not None and self._facts.comparison.fidelity.is_drawn
+
+    def _mark(self) -> None:
+        self._panel.set_pending(self._document.pending or not self._is_newest)
+
+
+def _found(wish: _Wish, progress: Progress) -> FidelityFacts:
+    return fidelity_facts(wish.result, wish.most, progress)

@@ -1,0 +1,82 @@
+"""How true a result is, and where not: everything the panel and the map's overlays show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepfield.clearance import clearance
+from stepfield.fidelity import Comparison, LayerFigures, compare_result, layer_figures, layers_of, near_gaps
+from stepfield.progress import Progress, part
+from stepfield.reconstruction import Reconstruction
+
+
+@dataclass(frozen=True, eq=False)
+class FidelityFacts:
+    """How true a result is.
+
+    Attributes
+    ----------
+    result : Reconstruction
+    comparison : Comparison
+        With the scan, or an even draw of its points.
+    figures : tuple of LayerFigures
+        One a layer.
+    seams, links : int
+    gaps : int
+        Compartments with a gap near the tolerance.
+    least_room : float
+        The smallest clearance, metres; infinite where no layer has another one above it.
+    """
+
+    result: Reconstruction
+    comparison: Comparison
+    figures: tuple[LayerFigures, ...]
+    seams: int
+    links: int
+    gaps: int
+    least_room: float
+
+    @property
+    def holes(self) -> tuple[int, float]:
+        """Number and area (square metres) of the holes of all layers."""
+        return sum(each.holes for each in self.figures), sum(each.hole_area for each in self.figures)
+
+    @property
+    def lost(self) -> float:
+        """Share of the occupied area that a simulator does not draw."""
+        occupied = sum(each.occupied_area for each in self.figures)
+        drawn = sum(each.simulator_area for each in self.figures)
+        return 1 - drawn / occupied if occupied else 0.0
+
+    @property
+    def vanished(self) -> tuple[int, int]:
+        """Surfaces of which a simulator draws nothing, and all of them."""
+        return sum(each.vanished for each in self.figures), sum(each.surfaces for each in self.figures)
+
+
+def fidelity_facts(result: Reconstruction, most: int | None, progress: Progress) -> FidelityFacts:
+    """Find out how true a result is.
+
+    Parameters
+    ----------
+    result : Reconstruction
+    most : int or None
+        Points to compare at most, about; None compares all.
+    progress : Progress
+    """
+    field, chosen = result.field, result.parameters
+    comparison = compare_result(result, most=most, progress=part(progress, 0, 0.9))
+    room = clearance(field, result.layering.layer)
+    figures = layer_figures(field.compartments.grid, layers_of(result), float(chosen.link_step))
+    progress(0.95, "counting seams and gaps")
+    return FidelityFacts(
+        result=result,
+        comparison=comparison,
+        figures=figures,
+        seams=len(result.seams),
+        links=len(result.links),
+        gaps=len(near_gaps(field.compartments, float(chosen.layer_tolerance)).gap),
+        least_room=float(np.nanmin(room, initial=np.inf)),
+    )
