@@ -22,7 +22,9 @@ WIDE = 1400
 #: Map and profile share a place where there are fewer pixels for both.
 SIDE_BY_SIDE = 600
 #: Height of the figures of fidelity with their strip: all of them can be seen.
-FIDELITY_HEIGHT = 232
+FIDELITY_HEIGHT = 216
+#: Height of the panels below it at least.
+LEAST_HISTORY = 120
 #: Side of the icon of the button that hides a panel.
 HIDE_SIZE = 14
 #: A side panel is never narrower: numbers would be cut.
@@ -149,7 +151,8 @@ def arrange(window: QMainWindow, docks: Docks) -> None:
     window.resizeDocks(
         [docks.parameters, docks.elevations], [int(height * 0.6), int(height * 0.4)], Qt.Orientation.Vertical
     )
-    shares = [int(height * 0.54), FIDELITY_HEIGHT, int(height * 0.46) - FIDELITY_HEIGHT]
+    below = max(int(height * 0.3) - FIDELITY_HEIGHT // 2, LEAST_HISTORY)
+    shares = [height - FIDELITY_HEIGHT - below, FIDELITY_HEIGHT, below]
     window.resizeDocks([docks.layers, docks.fidelity, docks.history], shares, Qt.Orientation.Vertical)
 
 

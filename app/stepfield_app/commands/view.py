@@ -73,7 +73,7 @@ def fill(actions: Actions, window: MainWindow) -> None:
     view = actions.menu("&View", ["iso", "top", "front", "side", "fit", "parallel", None, "all views"])
     actions.fill(view, [f"only {name}" for name in VIEWS])
     view.addSeparator()
-    actions.fill(view.addMenu("Ma&p"), [f"map {mode}" for mode in MODES])
+    actions.fill(view.addMenu("&Map"), [f"map {mode}" for mode in MODES])
     window.docks.fill(view.addMenu("Panel&s"))
     actions.fill(view, ["panels"])
     actions.fill(view.addMenu("T&heme"), [f"theme {choice}" for choice in ("system", "light", "dark")])
