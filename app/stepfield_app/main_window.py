@@ -54,7 +54,9 @@ from stepfield_app.views.trio import Trio
 from stepfield_app.views.welcome import WelcomePage
 from stepfield_app.wording import advice
 
-Feed = SceneFeed | RecolourFeed | PlotFeed | StrayFeed | SelectionFeed | SuspectFeed | ComplexFeed
+Feed = (
+    SceneFeed | RecolourFeed | PlotFeed | FidelityFeed | StrayFeed | SelectionFeed | SuspectFeed | ComplexFeed
+)
 
 #: Size of the window when nothing else is said.
 USUAL_SIZE = (1440, 900)
