@@ -39,7 +39,7 @@ class CropTool(QObject, Tool[Canvas]):
         self._held: tuple[crop.Handle, Box, QPointF] | None = None
         self._hovered: crop.Handle | None = None
         self._gesture: Gesture | None = None
-        document.project_changed.connect(self._repaint)
+        document.project_changed.connect(self._follow)
 
     def set_theme(self, theme: Theme) -> None:
         """Paint in the colours of a theme."""
@@ -146,6 +146,11 @@ class CropTool(QObject, Tool[Canvas]):
     def _local(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
         local: NDArray[np.float64] = places - self._scene_feed.origin
         return local
+
+    def _follow(self) -> None:
+        """Paint the box where it is now, if it is shown: three pictures at each step of a slider take long."""
+        if any(canvas.grip.tool is self for canvas in self._trio.canvases.values()):
+            self._repaint()
 
     def _repaint(self) -> None:
         for canvas in self._trio.canvases.values():
