@@ -7,6 +7,7 @@ from typing import Any
 from PySide6.QtCore import QObject, Signal
 
 from stepfield_app.document import Document
+from stepfield_app.feeds.hurry import Hurry
 from stepfield_app.feeds.panel_pictures import PanelDrawing, PanelPictures, PanelWish
 from stepfield_app.feeds.plots import (
     Cutting,
@@ -53,7 +54,8 @@ class PlotFeed(QObject):
         self._sections = self._worker(Cutting(), "profile", self._show_section, PROFILE_PACE)
         document.answer_changed.connect(self._take)
         document.opened.connect(self._begin)
-        document.held_changed.connect(self._hold)
+        self._hurry = Hurry(document, self)
+        self._hurry.changed.connect(self._hold)
         document.active_layer_changed.connect(map_view.set_layer)
         document.project_changed.connect(lambda _: self._recolour())
         scene_feed.cloud_changed.connect(self._cut)
@@ -102,10 +104,10 @@ class PlotFeed(QObject):
         self._draw_panel(answer)
         self._cut()
 
-    def _hold(self, is_held: bool) -> None:
-        """Draw all there is once a hand has stopped; of what is still pending an answer will come."""
+    def _hold(self, hurries: bool) -> None:
+        """Draw all there is once a hand has stopped; of what is still pending an answer comes in a moment."""
         answer = self._document.answer
-        if not is_held and answer is not None and not self._document.pending:
+        if not hurries and answer is not None and (answer.request.quick or not self._document.pending):
             self._draw(self._map.layer, self._map.mode)
             self._draw_panel(answer)
 
@@ -129,13 +131,13 @@ class PlotFeed(QObject):
             self._draw_panel(answer)
 
     def _draw_panel(self, answer: Answer) -> None:
-        self._panels.ask(PanelWish(answer, self._colours(answer), self._document.held))
+        self._panels.ask(PanelWish(answer, self._colours(answer), bool(self._hurry)))
 
     def _draw(self, layer: int, mode: str) -> None:
         answer = self._document.answer
         if answer is not None and layer < len(answer.result.layers):
-            held = self._document.held
-            self._maps.ask(MapWish(answer, layer, mode, self._colours(answer), held, self._facts))
+            hurries = bool(self._hurry)
+            self._maps.ask(MapWish(answer, layer, mode, self._colours(answer), hurries, self._facts))
 
     def _cut(self) -> None:
         answer, cloud, line = self._document.answer, self._scene_feed.cloud, self._map.line

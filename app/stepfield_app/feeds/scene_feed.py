@@ -13,6 +13,7 @@ from stepfield.pillars import StepField
 from stepfield_app.document import Document
 from stepfield_app.facts import ScanFacts
 from stepfield_app.feeds.drawing import POINT_MODES, SOLID_MODES, WAYS, Drawing, Drawn, Wish, joins_for
+from stepfield_app.feeds.hurry import Hurry
 from stepfield_app.newest import NewestWins
 from stepfield_app.render.camera import Camera
 from stepfield_app.render.client import RenderClient
@@ -83,7 +84,8 @@ class SceneFeed(QObject):
         document.facts_changed.connect(self._place)
         document.answer_changed.connect(self._take)
         document.opened.connect(self._begin)
-        document.held_changed.connect(self._hold)
+        self._hurry = Hurry(document, self)
+        self._hurry.changed.connect(self._hold)
         document.busy_changed.connect(lambda _: self._pay())
         trio.colour_chosen.connect(self._choose_colour)
         trio.way_chosen.connect(self._choose_way)
@@ -130,10 +132,9 @@ class SceneFeed(QObject):
 
     def ask(self) -> None:
         """Ask for the scenes of the views that are shown."""
-        is_held = self._document.held
         self._courtesy.stop()
         wish = self.wish
-        self._owes_detail = is_held and wish is not None
+        self._owes_detail = wish is not None and wish.quick
         self._is_late = self._owes_detail and (self._drawing.busy or self._breath.isActive())
         if wish is not None and not self._is_late:
             self._joined = wish.joined
@@ -150,7 +151,7 @@ class SceneFeed(QObject):
         views, modes = self._trio.shown, dict(choices.modes)
         look = choices.visible, choices.theme, choices.marks
         meshed = choices.meshed if choices.meshed and choices.meshed.belongs_to(answer.result) else None
-        how = partial(Wish, quick=self._document.held, joined=self._joins(answer), meshed=meshed)
+        how = partial(Wish, quick=bool(self._hurry), joined=self._joins(answer), meshed=meshed)
         return how(
             answer,
             self.origin,
@@ -174,15 +175,17 @@ class SceneFeed(QObject):
         if answer is not None and not self._trio.viewpoint.is_moving and self._joins(answer) < self._joined:
             self.ask()
 
-    def _hold(self, is_held: bool) -> None:
+    def _hold(self, hurries: bool) -> None:
         """Draw coarsely and at a calmer pace while a hand moves; then all there is."""
-        self._trio.viewpoint.set_held(is_held)
-        if not is_held:
+        self._trio.viewpoint.set_held(hurries)
+        if not hurries:
             self._pay()
 
     def _pay(self) -> None:
-        """Draw all there is of what a hand left coarse, unless a newer result is on its way."""
-        if self._owes_detail and not self._document.held and not self._document.busy:
+        """Draw all there is of what a hand left coarse, unless a newer result will be there in a moment."""
+        answer = self._document.answer
+        is_late = answer is not None and answer.request.quick  # and has been for a while
+        if self._owes_detail and not self._hurry and (is_late or not self._document.busy):
             self.ask()
 
     def _catch_up(self) -> None:
@@ -213,6 +216,7 @@ class SceneFeed(QObject):
         elif self._document.held:
             self.ask()
         else:
+            self._owes_detail = False
             self._courtesy.start()
 
     def _offer_colours(self) -> None:

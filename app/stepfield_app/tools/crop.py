@@ -148,7 +148,7 @@ class CropTool(QObject, Tool[Canvas]):
         return local
 
     def _follow(self) -> None:
-        """Paint the box where it is now, if it is shown: three pictures at each step of a slider take long."""
+        """Paint the box where it is now, if it is shown: three pictures a step of a slider take long."""
         if any(canvas.grip.tool is self for canvas in self._trio.canvases.values()):
             self._repaint()
 
