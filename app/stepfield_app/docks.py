@@ -29,6 +29,8 @@ LEAST_HISTORY = 120
 HIDE_SIZE = 14
 #: A side panel is never narrower: numbers would be cut.
 LEAST_WIDTH = 256
+#: Those on the left scroll in low windows, and their bar takes so much.
+BAR_WIDTH = 12
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ def docked(window: QMainWindow, title: str, panel: QWidget, area: Qt.DockWidgetA
     """Put a panel into a dock and the dock into a window; a panel's own strip becomes the dock's title."""
     dock = QDockWidget(title, window)
     dock.setObjectName(f"dock {title}")
-    panel.setMinimumWidth(LEAST_WIDTH if area != BOTTOM else LEAST_WIDTH // 2)
+    panel.setMinimumWidth({LEFT: LEAST_WIDTH + BAR_WIDTH, RIGHT: LEAST_WIDTH}.get(area, LEAST_WIDTH // 2))
     panel.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
     dock.setWidget(panel)
     strip, blank = _titled(dock, getattr(panel, "strip", None) or Strip(title)), QWidget()
@@ -138,7 +140,7 @@ def arrange(window: QMainWindow, docks: Docks) -> None:
     docks.history.raise_()
     window.splitDockWidget(docks.map, docks.profile, Qt.Orientation.Horizontal)
     height, width = window.height(), window.width()
-    left, right = (LEFT_WIDTH, RIGHT_WIDTH) if width >= WIDE else (LEAST_WIDTH, LEAST_WIDTH)
+    left, right = (LEFT_WIDTH, RIGHT_WIDTH) if width >= WIDE else (LEAST_WIDTH + BAR_WIDTH, LEAST_WIDTH)
     middle = max(width - left - right, 2)
     window.resizeDocks([docks.parameters, docks.layers], [left, right], Qt.Orientation.Horizontal)
     window.resizeDocks(
