@@ -21,7 +21,7 @@ Mask = NDArray[np.bool_]
 #: Compartments on either side of a seam that belong to the band.
 REACH = 8
 #: Pillars of a piece, at most about.
-PIECE = 6000
+PIECE = 3000
 #: Where each pass divides what is too large: at this share of its pillars.
 DIVISIONS = (0.5, 0.3)
 
