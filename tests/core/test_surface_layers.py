@@ -158,3 +158,14 @@ def test_fragments_join_the_layer_they_lie_nearest_to() -> None:
     layering = classify(field, "surface")
     assert set(layering.layer[field.elevation > 8]) == {1}
     assert set(layering.layer[field.elevation < 1]) == {0}
+
+
+def test_a_table_over_a_floor_that_was_not_seen_is_with_the_other_tables() -> None:
+    """Nothing beneath it says that it is not the lowest surface; its elevation does."""
+    heights = {(x, y): [0.0] for x in range(60) for y in range(20)}
+    heights |= {(x, y): [0.0, 0.8] for x in range(5, 15) for y in range(5, 15)}
+    heights |= {(x, y): [0.9] for x in range(30, 40) for y in range(5, 15)}
+    field = field_of(heights)
+    layering = classify(field, "surface")
+    assert set(layering.layer[field.elevation > 0.5]) == {1}
+    assert set(layering.layer[field.elevation < 0.5]) == {0}

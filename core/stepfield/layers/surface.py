@@ -7,7 +7,7 @@ layer, in order of height. A ramp that winds over itself is cut where it would c
 
 The cuts are minimum cuts, found among patches of pillars (:mod:`patches`, :mod:`cuts`), adjusted so that
 sheets stay whole (:mod:`sheets`), moved to the pillar in a band around them (:mod:`bands`); what nothing
-binds then joins the layer it lies nearest to (:mod:`fragments`).
+binds then joins the layer it lies nearest to (:mod:`loose`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from stepfield.grid import Grid
 from stepfield.layers.bands import refined
 from stepfield.layers.cuts import UP, Wishes, lowest, settled
-from stepfield.layers.fragments import gathered
+from stepfield.layers.loose import gathered
 from stepfield.layers.patches import Surroundings, between, components, patches
 from stepfield.layers.sheets import PILLARS_A_SEAM, whole
 from stepfield.layers.towers import Towers
