@@ -15,11 +15,13 @@ from stepfield_app.requests import Answer
 from stepfield_app.scenes.fidelity import FidelityFacts, fidelity_facts
 
 #: Points compared while a hand moves, and of larger scans before all are.
-DRAWN = 60_000
+DRAWN = 50_000
 #: Scans up to this size are compared whole at rest, without a draw first.
 FEW = 250_000
 #: Milliseconds of quiet before all points of a larger scan are compared: the views come first.
 QUIET = 700
+#: Seconds between two comparisons: the views of a moving hand come first.
+PACE = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +43,7 @@ class FidelityFeed(QObject):
         super().__init__(document)
         self._document, self._panel = document, panel
         self._facts: FidelityFacts | None = None
-        self._worker = NewestWins[_Wish, FidelityFacts](_found, "fidelity", self)
+        self._worker = NewestWins[_Wish, FidelityFacts](_found, "fidelity", self, pace=PACE)
         self._worker.answered.connect(lambda _, facts: self._take(facts))
         self._worker.failed.connect(lambda _, error: self.failed.emit(error))
         self._quiet = QTimer(self, singleShot=True, interval=QUIET)
