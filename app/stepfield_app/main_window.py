@@ -164,6 +164,7 @@ class MainWindow(QMainWindow):
         self.demo_feed = DemoFeed(self)
         self.selection_feed = SelectionFeed(self.document, self.selection, self.scene_feed, self.client)
         self.complex_feed = ComplexFeed(self.document, self.scene_feed, self.map, self.complex_marks)
+        self.complex_feed.shown.connect(self.fidelity_feed.set_meshed)
         lead = Lead(self.document, self.map, self.trio, self.scene_feed, self.selection_feed)
         self.suspect_feed = SuspectFeed(
             self.document, self.selection, self.map, self.marks, self.mark_box, self.suspects, lead

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 from tests.app.scenes_made import UTM, reconstruct, table, table_result
 
+from stepfield.complex_parts import ComplexParts
 from stepfield.layers import UNASSIGNED
 from stepfield.progress import silent
 from stepfield.reconstruction import Reconstruction
+from stepfield.surface import Mesh
+from stepfield_app.scenes.complex_parts import Meshed
 from stepfield_app.scenes.fidelity import fidelity_facts
 from stepfield_app.scenes.overlays import KINDS, Kind, Overlay, overlay
 from stepfield_app.scenes.palette import layer_colours
@@ -115,6 +118,23 @@ def test_what_a_simulator_loses_is_at_the_rim(result: Reconstruction) -> None:
     inner, side, corner = made.values[5, 6], made.values[4, 6], made.values[4, 4]
     assert np.isnan(inner)
     assert (side, corner) == (50, 75)
+
+
+def test_a_mesh_counts_where_it_stands_in(result: Reconstruction) -> None:
+    """The table-top as a mesh half a metre too high: its pillars are gone, and its points that far off."""
+    top = result.layers[1].pillars
+    replaced = np.zeros(len(result.field), bool)
+    replaced[top] = True
+    x, y, z = UTM
+    corners = np.array([[x + 2, y + 2, z + 1.5], [x + 5, y + 2, z + 1.5], [x + 5, y + 4, z + 1.5]])
+    other = np.array([[x + 2, y + 4, z + 1.5]])
+    mesh = Mesh(np.vstack([corners, other]), np.array([[0, 1, 2], [0, 2, 3]]))
+    facts = fidelity_facts(result, None, silent, Meshed(result, ComplexParts(replaced, replaced, mesh)))
+    floor, above = facts.comparison.errors
+    assert np.nanmax(np.abs(floor)) < 1e-6
+    assert len(above) == len(top)
+    assert np.isnan(above).all()
+    assert facts.comparison.fidelity.nearest.max == pytest.approx(0.5, abs=1e-5)
 
 
 def test_facts_agree_with_the_result(result: Reconstruction) -> None:

@@ -37,6 +37,8 @@ class ComplexFeed(QObject):
     failed = Signal(object)  # exception
     progressed = Signal(float, str)
     rested = Signal()
+    #: Meshed, or None once it no longer belongs to what is shown.
+    shown = Signal(object)
     #: What was meshed, one sentence without a full stop.
     told = Signal(str)
 
@@ -114,6 +116,7 @@ class ComplexFeed(QObject):
     def _show(self, meshed: Meshed | None) -> None:
         self.meshed = meshed
         self._scenes.set_meshed(meshed)
+        self.shown.emit(meshed)
         self._mark()
 
     def _mark(self) -> None:

@@ -12,6 +12,7 @@ from stepfield_app.document import Document
 from stepfield_app.newest import NewestWins
 from stepfield_app.panels.fidelity import FidelityPanel
 from stepfield_app.requests import Answer
+from stepfield_app.scenes.complex_parts import Meshed
 from stepfield_app.scenes.fidelity import FidelityFacts, fidelity_facts
 
 #: Points compared while a hand moves, and of larger scans before all are.
@@ -30,6 +31,7 @@ class _Wish:
 
     result: Reconstruction
     most: int | None
+    meshed: Meshed | None = None
 
 
 class FidelityFeed(QObject):
@@ -43,6 +45,7 @@ class FidelityFeed(QObject):
         super().__init__(document)
         self._document, self._panel = document, panel
         self._facts: FidelityFacts | None = None
+        self._meshed: Meshed | None = None
         self._worker = NewestWins[_Wish, FidelityFacts](_found, "fidelity", self, pace=PACE)
         self._worker.answered.connect(lambda _, facts: self._take(facts))
         self._worker.failed.connect(lambda _, error: self.failed.emit(error))
@@ -62,10 +65,22 @@ class FidelityFeed(QObject):
         self._quiet.stop()
         self._worker.close()
 
+    def set_meshed(self, meshed: Meshed | None) -> None:
+        """Count in the mesh of complex parts, or leave it out again."""
+        self._meshed = meshed
+        answer = self._document.answer
+        if answer is not None and not self._is_newest:
+            self._follow(answer)
+
     @property
     def _is_newest(self) -> bool:
-        answer = self._document.answer
-        return self._facts is not None and answer is not None and self._facts.result is answer.result
+        answer, facts = self._document.answer, self._facts
+        if facts is None or answer is None or facts.result is not answer.result:
+            return False
+        return facts.meshed is self._mesh_of(answer.result)
+
+    def _mesh_of(self, result: Reconstruction) -> Meshed | None:
+        return self._meshed if self._meshed is not None and self._meshed.belongs_to(result) else None
 
     def _follow(self, answer: Answer | None) -> None:
         self._quiet.stop()
@@ -79,7 +94,7 @@ class FidelityFeed(QObject):
         if running is not None and running.most is None:
             self._worker.cancel()  # it would take too long
         is_small = len(answer.result.scan) <= FEW and not self._document.held
-        self._worker.ask(_Wish(answer.result, None if is_small else DRAWN))
+        self._ask(answer.result, None if is_small else DRAWN)
         self._mark()
 
     def _take(self, facts: FidelityFacts) -> None:
@@ -105,7 +120,10 @@ class FidelityFeed(QObject):
             and self._is_newest
             and self._is_drawn
         ):
-            self._worker.ask(_Wish(answer.result, None))
+            self._ask(answer.result, None)
+
+    def _ask(self, result: Reconstruction, most: int | None) -> None:
+        self._worker.ask(_Wish(result, most, self._mesh_of(result)))
 
     @property
     def _is_drawn(self) -> bool:
@@ -116,4 +134,4 @@ class FidelityFeed(QObject):
 
 
 def _found(wish: _Wish, progress: Progress) -> FidelityFacts:
-    return fidelity_facts(wish.result, wish.most, progress)
+    return fidelity_facts(wish.result, wish.most, progress, wish.meshed)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,6 +10,8 @@ from stepfield.clearance import clearance
 from stepfield.fidelity import Comparison, LayerFigures, compare_result, layer_figures, layers_of, near_gaps
 from stepfield.progress import Progress, part
 from stepfield.reconstruction import Reconstruction
+from stepfield_app.scenes.arrays import frozen
+from stepfield_app.scenes.complex_parts import Meshed
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +30,8 @@ class FidelityFacts:
         Compartments with a gap near the tolerance.
     least_room : float
         The smallest clearance, metres; infinite where no layer has another one above it.
+    meshed : Meshed or None
+        The mesh that stood in for complex pillars when points were compared.
     """
 
     result: Reconstruction
@@ -37,6 +41,7 @@ class FidelityFacts:
     links: int
     gaps: int
     least_room: float
+    meshed: Meshed | None = None
 
     @property
     def holes(self) -> tuple[int, float]:
@@ -56,7 +61,9 @@ class FidelityFacts:
         return sum(each.vanished for each in self.figures), sum(each.surfaces for each in self.figures)
 
 
-def fidelity_facts(result: Reconstruction, most: int | None, progress: Progress) -> FidelityFacts:
+def fidelity_facts(
+    result: Reconstruction, most: int | None, progress: Progress, meshed: Meshed | None = None
+) -> FidelityFacts:
     """Find out how true a result is.
 
     Parameters
@@ -65,9 +72,14 @@ def fidelity_facts(result: Reconstruction, most: int | None, progress: Progress)
     most : int or None
         Points to compare at most, about; None compares all.
     progress : Progress
+    meshed : Meshed, optional
+        Complex parts of the result, whose mesh stands in for some of its pillars.
     """
     field, chosen = result.field, result.parameters
-    comparison = compare_result(result, most=most, progress=part(progress, 0, 0.9))
+    if meshed is None:
+        comparison = compare_result(result, most=most, progress=part(progress, 0, 0.9))
+    else:
+        comparison = _with_mesh(result, meshed, most, part(progress, 0, 0.9))
     room = clearance(field, result.layering.layer)
     figures = layer_figures(field.compartments.grid, layers_of(result), float(chosen.link_step))
     progress(0.95, "counting seams and gaps")
@@ -79,4 +91,17 @@ def fidelity_facts(result: Reconstruction, most: int | None, progress: Progress)
         links=len(result.links),
         gaps=len(near_gaps(field.compartments, float(chosen.layer_tolerance)).gap),
         least_room=float(np.nanmin(room, initial=np.inf)),
+        meshed=meshed,
     )
+
+
+def _with_mesh(result: Reconstruction, meshed: Meshed, most: int | None, progress: Progress) -> Comparison:
+    """Compare what is left of the layers and the mesh; of pillars it stands in for no error is known."""
+    mesh = meshed.parts.mesh
+    found = compare_result(meshed.rest_of(result), besides=[mesh], most=most, progress=progress)
+    errors = []
+    for layer, known in zip(result.layers, found.errors, strict=True):
+        whole = np.full(len(layer.pillars), np.nan, np.float32)
+        whole[~meshed.parts.replaced[layer.pillars]] = known
+        errors.append(frozen(whole))
+    return replace(found, errors=tuple(errors))
