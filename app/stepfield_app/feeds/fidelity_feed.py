@@ -16,7 +16,7 @@ from stepfield_app.scenes.complex_parts import Meshed
 from stepfield_app.scenes.fidelity import FidelityFacts, fidelity_facts
 
 #: Points compared while a hand moves, and of larger scans before all are.
-DRAWN = 50_000
+DRAWN = 30_000
 #: Scans up to this size are compared whole at rest, without a draw first.
 FEW = 250_000
 #: Milliseconds of quiet before all points of a larger scan are compared: the views come first.

@@ -23,7 +23,7 @@ Places = Callable[[slice], tuple[Floats, Floats, Floats]]
 #: Points one thread takes at a time: sorted by their squares, they find their triangles in the cache.
 BATCH = 1 << 18
 #: Points whose pairs are looked at at once.
-BLOCK = 1 << 13
+BLOCK = 1 << 15
 
 
 @dataclass(frozen=True, eq=False)
