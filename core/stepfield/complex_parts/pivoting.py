@@ -7,7 +7,7 @@ are no points, and gives the same triangles every time, which Poisson does on on
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,9 @@ TILE, OVERLAP = 256.0, 8.0
 FEWEST = 4
 
 
-def pivoted(points: Floats, spacing: float, progress: Progress = silent) -> Integers:
+def pivoted(
+    points: Floats, spacing: float, progress: Progress = silent, *, radii: Sequence[float] = RADII
+) -> Integers:
     """Join points to triangles.
 
     Every tile is meshed with what lies around it and keeps the triangles that touch its own points, so that
@@ -41,6 +43,9 @@ def pivoted(points: Floats, spacing: float, progress: Progress = silent) -> Inte
     points : ndarray of shape (V, 3)
         About ``spacing`` apart; metres.
     spacing : float
+    progress : Progress
+    radii : sequence of float
+        Of the balls, in spacings.
 
     Returns
     -------
@@ -51,7 +56,7 @@ def pivoted(points: Floats, spacing: float, progress: Progress = silent) -> Inte
     for number, (near, own) in enumerate(tiles):
         progress(number / len(tiles), "meshing complex parts")
         if len(near) >= FEWEST:
-            corners = near[_ball_pivoting(points[near], spacing)]
+            corners = near[_ball_pivoting(points[near], spacing, radii)]
             found.append(corners[own[corners].any(axis=1)])
     return _once_each(np.concatenate(found))
 
@@ -68,7 +73,7 @@ def _tiles(points: Floats, side: float, overlap: float) -> Iterator[tuple[Intege
         yield np.flatnonzero(near), (tile == (east, north)).all(axis=1)
 
 
-def _ball_pivoting(points: Floats, spacing: float) -> Integers:
+def _ball_pivoting(points: Floats, spacing: float, radii: Sequence[float]) -> Integers:
     import open3d as o3d
 
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points - points.mean(axis=0)))
@@ -77,8 +82,8 @@ def _ball_pivoting(points: Floats, spacing: float) -> Integers:
         cloud.orient_normals_consistent_tangent_plane(min(ORIENTING, len(points) - 1))
     except RuntimeError:  # points in one plane or on one line have no tetrahedra to pass it along
         cloud.orient_normals_to_align_with_direction([0.0, 0.0, 1.0])
-    radii = o3d.utility.DoubleVector([radius * spacing for radius in RADII])
-    mesh = o3d.geometry.TriangleMesh.create_from_point_cloud_ball_pivoting(cloud, radii)
+    balls = o3d.utility.DoubleVector([radius * spacing for radius in radii])
+    mesh = o3d.geometry.TriangleMesh.create_from_point_cloud_ball_pivoting(cloud, balls)
     return np.asarray(mesh.triangles).astype(np.int64).reshape(-1, 3)
 
 
