@@ -37,4 +37,5 @@ class FirstPaint(QObject):
 
     def _tell(self) -> None:
         self._window.removeEventFilter(self)
-        self.happened.emit()
+        if self._window.isVisible():  # else it has been closed since: nothing must begin any more
+            self.happened.emit()
