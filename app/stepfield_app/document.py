@@ -16,7 +16,7 @@ from PySide6.QtGui import QUndoStack
 from stepfield.errors import ParameterError, StepfieldError
 from stepfield.parameters import Parameters
 from stepfield.project import LayerStyle, Project, ScanFile
-from stepfield_app.edit import Change, Edit, Gesture
+from stepfield_app.edit import Change, Edit, Gesture, recalled
 from stepfield_app.facts import ScanFacts
 from stepfield_app.filed import ProjectFile, Work
 from stepfield_app.requests import Answer, Request, paths_of, request_for
@@ -265,6 +265,7 @@ class Document(QObject):
         if opened is not None:
             self._project = opened.project
             self._undo_stack.clear()
+            self._recall(opened)
             self._stop_opening()
             self.file.begin(opened)
             self.project_changed.emit(self._project)
@@ -275,6 +276,12 @@ class Document(QObject):
         self._note_pending()
         if opened is not None:
             self.opened.emit()
+
+    def _recall(self, work: Work) -> None:
+        """Let edits that an earlier window has left be undone as they were in it."""
+        if work.draft is not None:
+            for text, change in recalled(work.project, work.saved):
+                self._undo_stack.push(Edit(text, change, self._present, self._place, is_done=True))
 
     def _keep_an_active_layer(self, index: int) -> None:
         last = len(self._answer.result.layers) - 1 if self._answer else 0

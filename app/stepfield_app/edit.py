@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from operator import is_
 from typing import Any, NamedTuple
@@ -10,6 +10,11 @@ from typing import Any, NamedTuple
 from PySide6.QtGui import QUndoCommand
 
 from stepfield.project import Move, Project
+
+#: Names of steps of an earlier window: of all that is no move, and of a move without a text.
+RECALLED, UNNAMED = "Edits recovered", "Move pillars"
+#: Moves of an earlier window that are steps of their own, the last ones: a list takes a millisecond for each.
+MOST_STEPS = 200
 
 
 class Gesture:
@@ -98,6 +103,8 @@ class Edit(QUndoCommand):
         Puts another one in its place.
     gesture : object, optional
         Edits in a row with the same one are a single step.
+    is_done : bool
+        Whether the present project is the next one already: a step of an earlier window.
     """
 
     def __init__(
@@ -107,8 +114,10 @@ class Edit(QUndoCommand):
         present: Callable[[], Project],
         place: Callable[[Project], None],
         gesture: object | None = None,
+        is_done: bool = False,
     ) -> None:
         super().__init__(text)
+        self._is_done = is_done
         self._change, self._present, self._place, self._gesture = change, present, place, gesture
 
     def id(self) -> int:
@@ -117,6 +126,9 @@ class Edit(QUndoCommand):
 
     def redo(self) -> None:
         """Do it."""
+        if self._is_done:
+            self._is_done = False
+            return
         self._place(self._change.applied(self._present()))
 
     def undo(self) -> None:
@@ -133,6 +145,34 @@ class Edit(QUndoCommand):
         self.setText(other.text())
         self.setObsolete(self._change.is_none)
         return True
+
+
+def recalled(project: Project, saved: Project | None) -> Iterator[tuple[str, Change]]:
+    """Return steps that lead to a project that an earlier window has left: a name and what changes in each.
+
+    The last moves are steps as they were; what else differs from the saved project is one, before them.
+
+    Parameters
+    ----------
+    project : Project
+    saved : Project, optional
+        What was saved; without it, all moves and layers are new.
+    """
+    before, moves = saved or project.model_copy(update={"moves": (), "layers": ()}), project.moves
+    kept = _equal(before.moves, moves)
+    first = max(kept, len(moves) - MOST_STEPS)
+    here = {"scans": project.scans, "view": project.view, "moves": (*moves[:kept], *before.moves[kept:])}
+    rest = Change.between(before.model_copy(update=here), project.model_copy(update={"moves": moves[:first]}))
+    if not rest.is_none:
+        yield RECALLED, rest
+    for at in range(first, len(moves)):
+        yield moves[at].text or UNNAMED, Change((), at, (), (moves[at],))
+
+
+def _equal(one: Sequence[Move], other: Sequence[Move]) -> int:
+    """Count the moves at the beginning that are equal."""
+    differs = (at for at, pair in enumerate(zip(one, other, strict=False)) if pair[0] != pair[1])
+    return next(differs, min(len(one), len(other)))
 
 
 def _alike(one: Sequence[Move], other: Sequence[Move]) -> int:

@@ -14,7 +14,7 @@ from PySide6.QtGui import QUndoStack
 from stepfield.boxes import Boxes
 from stepfield.parameters import Parameters
 from stepfield.project import ExistingLayer, LayerStyle, Move, Project, ScanFile
-from stepfield_app.edit import Change, Edit
+from stepfield_app.edit import MOST_STEPS, RECALLED, Change, Edit, recalled
 
 BASE = Project(scans=(ScanFile(path="/scans/a.ply"),), parameters=Parameters(cell_size=0.1))
 
@@ -127,3 +127,40 @@ def test_ten_thousand_steps_take_little_memory() -> None:
     while history.stack.canUndo():
         history.stack.undo()
     assert history.project == BASE
+
+
+@given(EDITS, EDITS)
+@settings(deadline=None, max_examples=25)
+def test_steps_of_an_earlier_window_lead_back_to_what_was_saved(before: Any, after: Any) -> None:
+    """A crash would leave edits that nobody can take back."""
+    saved, left = History(), History()
+    for kind, number, _ in before:
+        if kind not in ("undo", "redo", "both"):
+            saved.edit(kind, **values_for(kind, number, saved.project))
+    left.project = Project.model_validate_json(saved.project.content())  # as it is read from the file
+    for kind, number, _ in after:
+        if kind not in ("undo", "redo", "both"):
+            left.edit(kind, **values_for(kind, number, left.project))
+    history = History(left.project)
+    for text, change in recalled(left.project, saved.project):
+        history.stack.push(Edit(text, change, lambda: history.project, history._place, is_done=True))
+        assert history.project is left.project
+    while history.stack.canUndo():
+        history.stack.undo()
+    assert history.project == saved.project
+    while history.stack.canRedo():
+        history.stack.redo()
+    assert history.project == left.project
+
+
+def test_the_last_moves_of_an_earlier_window_are_steps_of_their_own() -> None:
+    """Ten thousand steps would be pushed for many seconds while the window stands still."""
+    project = BASE.model_copy(
+        update={"moves": (move(1), move(2)), "layers": (LayerStyle(index=0, name="Floor"),)}
+    )
+    assert [text for text, _ in recalled(project, None)] == [RECALLED, "Move 1", "Move 2"]
+    many = BASE.model_copy(update={"moves": tuple(move(number) for number in range(3 * MOST_STEPS))})
+    steps = list(recalled(many, BASE))
+    assert len(steps) == MOST_STEPS + 1
+    assert steps[0][0] == RECALLED
+    assert len(steps[0][1].added) == 2 * MOST_STEPS

@@ -14,6 +14,7 @@ import pytest
 from pytestqt.qtbot import QtBot
 from tests.app.scenes_made import table
 
+from stepfield.moving import move_to
 from stepfield.parameters import Parameters
 from stepfield.project import Project
 from stepfield_app.document import Document
@@ -225,6 +226,35 @@ def test_a_draft_knows_its_project_file_and_what_it_held(made: Made, tmp_path: P
     assert draft.name == "room.stepfield"
     after.recover(draft)
     assert after.document.file.stored == stored
+
+
+def test_what_came_back_can_be_undone_step_by_step(made: Made, tmp_path: Path) -> None:
+    """Back to what the file holds, as in the window that crashed."""
+    file = tmp_path / "room.stepfield"
+    bench = made()
+    bench.document.project.save(file)
+    bench.document.open_work(work_at(file))
+    answer = bench.document.answer
+    assert answer is not None
+    for target in (0, "Shelf"):
+        plan = move_to(answer.result, answer.result.layering.layer == 1, target)
+        bench.document.edit(plan.text, plan.applied(bench.document.project))
+    bench.edit(0.7)
+    bench.keep()
+    bench.die()
+    after = made(is_empty=True)
+    after.recover(after.look()[0])
+    stack = after.document.undo_stack
+    texts = [stack.text(step) for step in range(stack.count())]
+    assert texts == ["Edits recovered", *(move.text for move in after.document.project.moves)]
+    while stack.canUndo():
+        stack.undo()
+    assert after.document.project.moves == ()
+    assert after.document.project.parameters == BASE
+    assert after.document.answer is not None
+    assert np.array_equal(
+        after.document.answer.result.layering.layer, after.document.answer.result.automatic.layer
+    )
 
 
 def test_windows_do_not_take_each_others_edits(made: Made) -> None:

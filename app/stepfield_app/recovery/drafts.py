@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import uuid
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -125,17 +125,17 @@ def leftovers(folder: Path, damaged: Callable[[ProjectError], None]) -> Iterator
 
 def _read(slot: Slot, damaged: Callable[[ProjectError], None]) -> Draft | None:
     try:
-        draft = Draft(slot, _work_of(slot.path), datetime.fromtimestamp(_time(slot.path)))
+        work = _with_saved(_work_of(slot.path))
     except ProjectError as error:
         slot.release(remove=False)
         if "newer Stepfield" not in str(error):
             _set_aside(slot.path)
             damaged(error)
         return None
-    if _is_saved(draft.work):
+    if _is_saved(work):
         slot.release(remove=True)
         return None
-    return draft
+    return Draft(slot, work, datetime.fromtimestamp(_time(slot.path)))
 
 
 def _work_of(path: Path) -> Work:
@@ -149,16 +149,22 @@ def _work_of(path: Path) -> Work:
     return Work(project.model_copy(update={"view": view}), stored, draft=path)
 
 
+def _with_saved(work: Work) -> Work:
+    """Add what the project file holds, as far as it can be read."""
+    if work.stored is None:
+        return work
+    try:
+        return replace(work, saved=Project.read(work.stored.path))
+    except ProjectError:
+        return work
+
+
 def _is_saved(work: Work) -> bool:
     """Whether the project file holds the same: the window ended between saving and clearing up."""
-    if work.stored is None:
+    if work.stored is None or work.saved is None:
         return False
-    try:
-        saved = Project.read(work.stored.path)
-    except ProjectError:
-        return False
+    saved, drafted = work.saved, work.project
     scans = tuple(str(path) for path in saved.scan_paths(work.stored.path))
-    drafted = work.project
     return (
         scans == tuple(scan.path for scan in drafted.scans)
         and (saved.parameters, saved.layers, saved.moves)
