@@ -9,7 +9,7 @@ from stepfield.fidelity.measure import Measured, measure
 from stepfield.fidelity.reconstructions import Way, layers_of, surface_of
 from stepfield.fidelity.surface import Surface
 from stepfield.fidelity.true_mesh import true_mesh
-from stepfield.fidelity.truth import TruthFidelity, against_truth
+from stepfield.fidelity.truth import TruthFidelity, against_truth, result_against_truth
 
 __all__ = [
     "Comparison",
@@ -30,6 +30,7 @@ __all__ = [
     "layers_of",
     "measure",
     "near_gaps",
+    "result_against_truth",
     "surface_of",
     "true_mesh",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +76,14 @@ class Surface:
             *triangles.span(2),
         )
 
+    @cached_property
+    def _lowest(self) -> float:
+        return float(self.low.min(initial=np.inf))
+
+    @cached_property
+    def _highest(self) -> float:
+        return float(self.high.max(initial=-np.inf))
+
     @property
     def reach(self) -> float:
         """Metres within which the nearest place is sure to be found."""
@@ -124,6 +133,7 @@ class Surface:
         for every in _portions(np.arange(len(x)), POINTS):
             self._approach(every, square[every], place, best)
         border = np.maximum(self._to_border(x, y), 0)
+        border[self._is_out_of_reach(x, y, z)] = np.inf
         for ring in range(1, MOST_RINGS + 1):
             least = border + (ring - 1) * self.buckets.grid.cell_size
             left = np.flatnonzero(best > np.square(least))
@@ -133,6 +143,14 @@ class Surface:
                 self._look_around(some, square[some], ring, place, best)
         distance: Floats = np.sqrt(best)
         return distance
+
+    def _is_out_of_reach(self, x: Floats, y: Floats, z: Floats) -> NDArray[np.bool_]:
+        """Tell which points are so far from all triangles that looking around them finds none."""
+        grid, reach = self.buckets.grid, self.reach
+        out: NDArray[np.bool_] = _outside(x, 0.0, grid.columns * grid.cell_size) > reach
+        out |= _outside(y, 0.0, grid.rows * grid.cell_size) > reach
+        out |= _outside(z, self._lowest, self._highest) > reach
+        return out
 
     @property
     def _hair(self) -> float:
@@ -227,9 +245,10 @@ def _ring(ring: int) -> tuple[Integers, Integers]:
     return down[outer], right[outer]
 
 
-def _outside(value: Floats, low: Floats, high: Floats) -> Floats:
+def _outside(value: Floats, low: Floats | float, high: Floats | float) -> Floats:
     """How far a value is from an interval, 0 within it."""
-    return np.maximum(np.maximum(low - value, value - high), 0)
+    away: Floats = np.maximum(np.maximum(low - value, value - high), 0)
+    return away
 
 
 def _portions(indices: Integers, size: int) -> list[Integers]:

@@ -14,8 +14,17 @@ from numpy.typing import NDArray
 
 from stepfield.fidelity.figures import Distances
 from stepfield.fidelity.measure import measure
+from stepfield.fidelity.reconstructions import (
+    Way,
+    bottoms_of,
+    chosen_way,
+    layers_of,
+    meshes_of,
+    surface_of,
+)
 from stepfield.fidelity.surface import Surface
 from stepfield.progress import Progress, part, silent
+from stepfield.reconstruction import Reconstruction
 from stepfield.surface import Mesh
 
 Floats = NDArray[np.float64]
@@ -73,6 +82,28 @@ def against_truth(
     there = measure(sampled(meshes, samples), Surface.of([truth]), part(progress, 0, 0.5))
     back = measure(sampled([truth], samples), surface, part(progress, 0.5, 1))
     return TruthFidelity(*(Distances.of(each.nearest, tolerance) for each in (there, back)))
+
+
+def result_against_truth(
+    result: Reconstruction,
+    truth: Mesh,
+    way: Way | None = None,
+    *,
+    samples: int = SAMPLES,
+    progress: Progress = silent,
+) -> TruthFidelity:
+    """Compare a result with the truth, reconstructed as its parameters say unless another way is given."""
+    chosen = result.parameters
+    of = (
+        result.field.compartments.grid,
+        layers_of(result),
+        way or chosen_way(chosen),
+        float(chosen.link_step),
+        bottoms_of(result),
+    )
+    tolerance = float(chosen.layer_tolerance)
+    made = meshes_of(*of), surface_of(*of)
+    return against_truth(*made, truth, tolerance, samples=samples, progress=progress)
 
 
 def sampled(meshes: list[Mesh], count: int) -> Floats:

@@ -56,6 +56,18 @@ def test_points_without_any_surface_have_no_finite_error() -> None:
     assert values["vertical"]["rmse"] is None
 
 
+def test_points_out_of_reach_are_not_looked_for() -> None:
+    """A scan that lies elsewhere would take minutes, compartment by compartment."""
+    large = Grid(0.0, 0.0, 1.0, 100, 100)
+    own = np.flatnonzero(np.arange(len(large)) % 100 >= 5)  # the westmost columns are empty
+    layer = (own, np.zeros(len(own)))
+    points = np.array([[50, 50, 30], [50, 50, 5], [-2, 50, 0], [-30, 50, 0], [50, 50, -30.0]])
+    found = compare(scan_of(points), large, [layer], "pillars", 0.1, 0.5).fidelity
+    assert found.nearest.missing == 1  # beside it; those above and below are known to be no nearer
+    assert found.nearest.max == pytest.approx(30)
+    assert found.nearest.median == pytest.approx(18.5)
+
+
 def test_errors_of_pillars_have_a_sign() -> None:
     scan = scan_of([[100.5, 201.5, 5.1], [100.6, 201.5, 5.3], [101.5, 201.5, 7.8], [101.5, 201.5, 4.9]])
     floor, top = compare(scan, GRID, [FLOOR, TOP], "pillars", 0.1, 0.5).errors

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +15,10 @@ from stepfield.fidelity import (
     against_truth,
     compare_result,
     layer_figures,
-    surface_of,
+    result_against_truth,
     true_mesh,
 )
-from stepfield.fidelity.reconstructions import layers_of, meshes_of
+from stepfield.fidelity.reconstructions import layers_of
 from stepfield.fidelity.truth import TruthFidelity, sampled
 from stepfield.parameters import Parameters
 from stepfield.pipeline import Pipeline
@@ -84,9 +85,7 @@ def test_figures_of_the_paper_are_reconstructed_truly(
 ) -> None:
     np.save(tmp_path / "scan.npy", synthesise(scene, points=60_000, noise=0.001).points)
     result = Pipeline().run([tmp_path / "scan.npy"], Parameters(cell_size=0.2, layer_tolerance=0.3))
-    grid, layers = result.field.compartments.grid, layers_of(result)
-    made = meshes_of(grid, layers, way, 0.3), surface_of(grid, layers, way, 0.3)
-    found = against_truth(*made, true_mesh(scene), 0.3, samples=20_000)
+    found = result_against_truth(result, true_mesh(scene), way, samples=20_000)
     assert found.accuracy.rmse < most
     assert found.completeness.rmse < most
     assert found.completeness.explained > 0.97  # of a cylinder the flanks are too steep
@@ -113,10 +112,10 @@ def test_a_stack_is_checked_against_its_scene(tmp_path: Path) -> None:
 def test_a_simulator_loses_what_the_edges_keep(tmp_path: Path) -> None:
     np.save(tmp_path / "scan.npy", synthesise("table", points=60_000, noise=0.001).points)
     result = Pipeline().run([tmp_path / "scan.npy"], Parameters(cell_size=0.1, layer_tolerance=0.3))
-    grid, layers, truth = result.field.compartments.grid, layers_of(result), true_mesh("table")
-    missing = {}
+    truth, missing = true_mesh("table"), {}
     ways: tuple[Way, ...] = ("edges", "simulator")
     for way in ways:
-        made = meshes_of(grid, layers, way, 0.3), surface_of(grid, layers, way, 0.3)
-        missing[way] = against_truth(*made, truth, 0.02, samples=20_000).completeness.explained
+        near = result.parameters.model_copy(update={"layer_tolerance": 0.02})
+        found = result_against_truth(replace(result, parameters=near), truth, way, samples=20_000)
+        missing[way] = found.completeness.explained
     assert missing["simulator"] < missing["edges"] - 0.02
