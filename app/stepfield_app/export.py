@@ -16,7 +16,7 @@ from stepfield.heightmap import HeightMap
 from stepfield.progress import Progress, silent
 from stepfield.reconstruction import Reconstruction
 from stepfield.stack import Manifest
-from stepfield.stack.manifest import LayerEntry, describe
+from stepfield.stack.manifest import LayerEntry, describe, is_filled
 from stepfield.stack.write import COMPRESSION, is_stack
 from stepfield.targets.writing import write_stack_and_targets
 
@@ -39,7 +39,9 @@ class LayerPreview:
     gray, mask : ndarray of shape (height, width), uint8
         The images with their padding, every so many pixels where they are large.
     gray_bytes, mask_bytes : int
-        Sizes of the two files.
+        Sizes of the files; of both masks where there are two.
+    filled : ndarray of shape (height, width), uint8, or None
+        The mask of what was filled, where holes were looked for.
     """
 
     entry: LayerEntry
@@ -48,6 +50,7 @@ class LayerPreview:
     mask: NDArray[np.uint8]
     gray_bytes: int
     mask_bytes: int
+    filled: NDArray[np.uint8] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,17 +105,23 @@ def preview(result: Reconstruction, progress: Progress = silent) -> StackPreview
     progress : Progress
         May raise Cancelled.
     """
-    drawn, sizes, lifted = [], [], 0
+    drawn, sizes, holes, lifted = [], [], [], 0
     for layer in result.layers:
         progress(layer.index / len(result.layers), f"drawing {layer.name}")
         image = result.height_map(layer)
         lifted += image.lifted
-        sizes.append((_png_size(image.gray), _png_size(_white(image))))
-        drawn.append((_on_screen(image.gray), _on_screen(_white(image))))
+        mask = _white(image.mask)
+        filled = _white(_filled(image)) if is_filled(result, layer) else None
+        masks = _png_size(mask) + (0 if filled is None else _png_size(filled))
+        sizes.append((_png_size(image.gray), masks))
+        drawn.append((_on_screen(image.gray), _on_screen(mask)))
+        holes.append(None if filled is None else _on_screen(filled))
     manifest = describe(result, lifted)
     layers = tuple(
-        LayerPreview(entry, layer.white, *images, *size)
-        for entry, layer, images, size in zip(manifest.layers, result.layers, drawn, sizes, strict=True)
+        LayerPreview(entry, layer.white, *images, *size, filled)
+        for entry, layer, images, size, filled in zip(
+            manifest.layers, result.layers, drawn, sizes, holes, strict=True
+        )
     )
     return StackPreview(manifest, layers, len(manifest.text().encode()))
 
@@ -154,8 +163,12 @@ def proposed_folder(parent: Path, scans: tuple[Path, ...]) -> Path:
     return parent / (scans[0].stem if scans else "stack")
 
 
-def _white(image: HeightMap) -> NDArray[np.uint8]:
-    return image.mask.astype(np.uint8) * np.uint8(255)
+def _filled(image: HeightMap) -> NDArray[np.bool_]:
+    return np.zeros_like(image.mask) if image.filled is None else image.filled
+
+
+def _white(mask: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    return mask.astype(np.uint8) * np.uint8(255)
 
 
 def _png_size(pixels: Pixels) -> int:

@@ -79,12 +79,21 @@ class HeightMap:
     mask : ndarray of shape (height, width), bool
         True in occupied pixels.
     lifted : int
-        Occupied pixels that would have been 0 and became 1.
+        Occupied and filled pixels that would have been 0 and became 1.
+    filled : ndarray of shape (height, width), bool, or None
+        True in pixels that were empty and have a level all the same; never where ``mask`` is.
     """
 
     gray: NDArray[np.uint8] | NDArray[np.uint16]
     mask: NDArray[np.bool_]
     lifted: int
+    filled: NDArray[np.bool_] | None = None
+
+
+def with_filled(measured: HeightMap, filled: HeightMap) -> HeightMap:
+    """Put what was filled into the holes of what was measured, known apart by a mask of its own."""
+    gray = np.maximum(measured.gray, filled.gray)
+    return HeightMap(gray, measured.mask, measured.lifted + filled.lifted, filled.mask)
 
 
 def draw(

@@ -61,6 +61,8 @@ class Parameters(Frozen):
     max_layers: Count | Literal["auto", "none"] = Field("auto", description="layers at most")
     link_step: Length | Auto = Field("auto", description="height step that still joins two neighbours")
     reconstruction: Way = Field("edges", description="surface that layers become triangles by (6)")
+    fill: Literal["none", "nearest", "linear", "inpaint"] = Field("none", description="how holes are filled")
+    fill_size: Length | Auto = Field("auto", description="longest side of the holes that are filled")
     bits: Literal[8, 16] = Field(16, description="bits of a pixel (5.2, Eq. 2 is 8)")
     pad: Literal["pow2", "none"] = Field("pow2", description="pad images to powers of two")
     range: Literal["shared", "layer"] = Field("shared", description="whose greatest height is white")

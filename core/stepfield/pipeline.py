@@ -1,6 +1,6 @@
 """The stages of the method in order, each remembered until something it depends on changes.
 
-    read -> cleaned scan -> sorted compartments -> step-field -> layering -> moves -> links -> layers
+    read -> cleaned scan -> compartments -> step-field -> layering -> moves -> links -> filling -> layers
 
 A new tolerance re-parts sorted points but does not sort again; a new alpha changes heights only; a move
 re-runs what follows the layering. A preview runs on fewer points in stages of its own, so that neither it
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from stepfield import suggest
 from stepfield.compartments import grid_under, sort_into_compartments
 from stepfield.errors import ParameterError
+from stepfield.filling import Filled
 from stepfield.heightmap import Frame
 from stepfield.layers import UNASSIGNED, Layering, classify
 from stepfield.links import Links
@@ -29,13 +30,15 @@ from stepfield.parameters import Parameters
 from stepfield.pillars import StepField, build_pillars
 from stepfield.progress import Progress, part, silent
 from stepfield.project import LayerStyle, Move
-from stepfield.reconstruction import Reconstruction, layers_of, members_of
+from stepfield.reconstruction import Members, Reconstruction, filled_of, layers_of, members_of
 from stepfield.scan import Scan, cleaned, read_scan
 
 Made = TypeVar("Made")
 Mask = NDArray[np.bool_]
 Integers = NDArray[np.int64]
 
+#: Longest side of the holes that are filled, in compartments, unless the operator gives a length.
+FILL_CELLS = 5
 #: How the names of a preview's stages begin: they have places of their own.
 PREVIEW = "preview "
 
@@ -104,7 +107,9 @@ class Pipeline:
         automatic = self._classified(field, parameters, share)
         edited = self._edited(field, automatic, moves, part(progress, 0.85, 0.95))
         links = self._linked(field, edited, parameters)
-        members = self._once("members", edited, (), lambda: members_of(field.made, edited.made.layering)).made
+        members = self._once("members", edited, (), lambda: members_of(field.made, edited.made.layering))
+        progress(0.96, "filling holes")
+        filled = self._filled(field, members, parameters)
         alpha = _metres(parameters.alpha)
         names = edited.made.names | {style.index: style.name for style in styles if style.name}
         progress(1.0, "done")
@@ -116,10 +121,10 @@ class Pipeline:
             layering=edited.made.layering,
             linked=links,
             outcomes=edited.made.outcomes,
-            layers=layers_of(members, alpha, parameters, names),
+            layers=layers_of(members.made, alpha, parameters, names, filled),
             made=edited.made.names,
             base_elevation=field.made.compartments.lowest - alpha,
-            max_height=alpha + max(member.greatest for member in members),
+            max_height=alpha + max(member.greatest for member in members.made),
             frame=Frame.around(field.made.compartments.grid, parameters.pad),
         )
 
@@ -179,7 +184,14 @@ class Pipeline:
         if alpha == "auto":
             alpha = suggest.alpha(_metres(cell), scan.made.z.span())
         step = tolerance if parameters.link_step == "auto" else parameters.link_step
-        picked = {"cell_size": cell, "layer_tolerance": tolerance, "alpha": alpha, "link_step": step}
+        size = FILL_CELLS * _metres(cell) if parameters.fill_size == "auto" else parameters.fill_size
+        picked = {
+            "cell_size": cell,
+            "layer_tolerance": tolerance,
+            "alpha": alpha,
+            "link_step": step,
+            "fill_size": size,
+        }
         if parameters.complex_residual == "auto":
             picked["complex_residual"] = suggest.complex_residual(_metres(cell))
         return parameters.model_copy(update=picked | {"unit": scan.made.unit})
@@ -231,6 +243,17 @@ class Pipeline:
         """Apply the moves, or only what is new of them."""
         replay = self._once("replay", automatic, (), lambda: Replay(field.made, automatic.made))
         return self._once("moves", replay, (tuple(moves),), lambda: replay.made.edited(moves, progress))
+
+    def _filled(
+        self, field: Stage[StepField], members: Stage[list[Members]], parameters: Parameters
+    ) -> tuple[Filled, ...]:
+        """Fill the holes of the layers; no other stage is made from it."""
+        chosen = (parameters.fill, parameters.fill_size, parameters.layer_tolerance)
+        if parameters.fill == "none":
+            chosen = ("none", 0.0, 0.0)
+        return self._once(
+            "filled", members, chosen, lambda: filled_of(field.made, members.made, parameters)
+        ).made
 
     def _linked(self, field: Stage[StepField], edited: Stage[Edited], parameters: Parameters) -> Links:
         """Links among the exported pillars; they outlive moves between layers."""

@@ -10,7 +10,8 @@ from itertools import count
 import numpy as np
 from numpy.typing import NDArray
 
-from stepfield.heightmap import Frame, GrayScale, HeightMap, draw
+from stepfield.filling import NOTHING, Filled, Ground, fill
+from stepfield.heightmap import Frame, GrayScale, HeightMap, draw, with_filled
 from stepfield.layers import Layering
 from stepfield.links import Links, seams
 from stepfield.moves import Outcome
@@ -41,6 +42,8 @@ class Layer:
         The height that is white in the layer's image, metres.
     is_obstacles : bool
         Whether it holds walls and columns, solid from their lowest points up.
+    filled : Filled
+        Compartments of its holes that were filled, and their elevations above the scan's lowest point.
     """
 
     index: int
@@ -50,6 +53,7 @@ class Layer:
     alpha: float
     white: float
     is_obstacles: bool = False
+    filled: Filled = NOTHING
 
     @property
     def heights(self) -> Floats:
@@ -111,7 +115,12 @@ class Reconstruction:
     def height_map(self, layer: Layer) -> HeightMap:
         """Draw one layer (5.2); drawn on demand, as images of large grids would not fit side by side."""
         grid, compartment = self.field.compartments.grid, self.field.compartment[layer.pillars]
-        return draw(grid, self.frame, compartment, layer.heights, self.scale(layer))
+        image = draw(grid, self.frame, compartment, layer.heights, self.scale(layer))
+        if not len(layer.filled.compartment):
+            return image
+        filled, scale = layer.filled, self.scale(layer)
+        heights = filled.elevation + layer.alpha
+        return with_filled(image, draw(grid, self.frame, filled.compartment, heights, scale))
 
     def bottom_map(self, layer: Layer) -> HeightMap:
         """Draw the lower ends of a layer's pillars, by the scale of the layer."""
@@ -148,8 +157,29 @@ def members_of(field: StepField, layering: Layering) -> list[Members]:
     ]
 
 
+def filled_of(field: StepField, members: Sequence[Members], parameters: Parameters) -> tuple[Filled, ...]:
+    """Fill the holes of the layers that are surfaces, as the parameters say."""
+    if parameters.fill == "none":
+        return (NOTHING,) * len(members)
+    grounds = [
+        Ground(
+            field.compartment[member.pillars],
+            field.lows(member.pillars) if member.is_obstacles else member.elevation,
+            member.elevation,
+            is_filled=not member.is_obstacles,
+        )
+        for member in members
+    ]
+    size, clearance = float(parameters.fill_size), float(parameters.layer_tolerance)
+    return fill(field.compartments.grid, grounds, parameters.fill, size, clearance)
+
+
 def layers_of(
-    members: Sequence[Members], alpha: float, parameters: Parameters, names: dict[int, str]
+    members: Sequence[Members],
+    alpha: float,
+    parameters: Parameters,
+    names: dict[int, str],
+    filled: Sequence[Filled],
 ) -> tuple[Layer, ...]:
     """Name the layers and say which height is white in each (5.2)."""
     shared = max(member.greatest for member in members)
@@ -163,6 +193,7 @@ def layers_of(
             alpha=alpha,
             white=alpha + (member.greatest if parameters.range == "layer" else shared),
             is_obstacles=member.is_obstacles,
+            filled=filled[index],
         )
         for index, member in enumerate(members)
     )

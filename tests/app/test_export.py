@@ -162,6 +162,23 @@ def test_preview_is_what_gets_written(bits: int, scan: Path, tmp_path: Path) -> 
         assert layer.gray_bytes == (made.folder / layer.entry.image).stat().st_size
 
 
+def test_preview_shows_what_is_filled_in_a_mask_of_its_own(scan: Path, tmp_path: Path) -> None:
+    """If it failed, nobody could see before an export which heights nobody measured."""
+    parameters = Parameters.checked(cell_size=0.05, fill="linear", min_points=2)
+    result = Pipeline().run([scan], parameters)
+    shown = exporting.preview(result)
+    made = exporting.export(exporting.Export(result, tmp_path / "stack"))
+    assert (shown.manifest, shown.bytes) == (made.manifest, made.bytes)
+    assert made.files == 3 * len(shown.layers) + 1
+    for layer in shown.layers:
+        filled = np.asarray(Image.open(made.folder / str(layer.entry.filled_mask)))
+        assert layer.filled is not None
+        assert np.array_equal(layer.filled, filled)
+        assert np.count_nonzero(filled) == layer.entry.filled
+        assert not (filled & layer.mask).any()
+    assert sum(layer.entry.filled for layer in shown.layers) > 0
+
+
 def test_a_large_image_is_thinned_for_the_screen() -> None:
     """If it failed, a large grid would fill the memory of the window, or be squeezed out of shape."""
     pixels = np.arange(3 * exporting.SIDE * 100, dtype=np.uint16).reshape(100, -1)
@@ -197,6 +214,28 @@ def test_layers_and_masks_can_be_looked_at(dialog: ExportDialog) -> None:
     assert not np.array_equal(images[1], images[2])
     dialog.set_theme(LIGHT)
     assert not dialog.grab().isNull()
+
+
+def test_the_mask_of_what_was_filled_can_be_looked_at(
+    document: Document, dialog: ExportDialog, qtbot: QtBot
+) -> None:
+    """If it failed, what nobody measured would look like what somebody did."""
+    box = next(box for box in dialog.findChildren(QCheckBox) if "filled" in box.text())
+    assert box.isHidden()
+    document.set_parameters("Fill", fill="nearest")
+    qtbot.waitUntil(lambda: not box.isHidden())
+    dialog.stack_view.show_mask(True)
+    mask = dialog.stack_view.shown
+    dialog.stack_view.show_filled(True)
+    filled = dialog.stack_view.shown
+    assert mask is not None
+    assert filled is not None
+    assert not (mask & filled).any()
+    document.set_parameters("Fill", fill="none")
+    qtbot.waitUntil(box.isHidden)
+    shown = dialog.stack_view.shown
+    assert shown is not None
+    assert shown.max() > 0, "the mask or the image, not a mask that is no more"
 
 
 def test_a_stack_is_replaced_only_when_ticked(dialog: ExportDialog, document: Document, qtbot: QtBot) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.app.scenes_made import UTM, reconstruct, table_result
+from tests.app.scenes_made import UTM, reconstruct, table, table_result
 
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.scenes import histogram
@@ -39,6 +39,34 @@ def at(x: float, y: float) -> tuple[float, float]:
 
 
 # --- Maps ---------------------------------------------------------------------------------------------------
+
+
+def holed(folder: Path, **chosen: object) -> Reconstruction:
+    """Reconstruct the table and a floor with a hole of two by two compartments in it."""
+    points = table()
+    is_hole = (points[:, 0] > 6) & (points[:, 0] < 7) & (points[:, 1] > 2) & (points[:, 1] < 3)
+    values = {"cell_size": 0.5, "layer_tolerance": 0.3, "alpha": 0.5} | chosen
+    return reconstruct(folder, points[~is_hole], **values)
+
+
+@pytest.mark.parametrize("mode", ["gray", "colour", "hillshade"])
+@pytest.mark.parametrize("stride", [1, 2])
+def test_what_was_filled_is_paler_and_never_taken_for_measured(
+    tmp_path: Path, mode: Mode, stride: int
+) -> None:
+    if mode == "gray" and stride > 1:
+        return
+    picture = raster(holed(tmp_path, fill="linear"), 0, mode, stride=stride)
+    empty = np.isnan(picture.elevations)
+    assert empty.sum() == 4 // stride**2
+    assert (picture.pixels[:, :, 3] == 255).all()
+    assert picture.legend is not None
+    if mode != "gray":
+        measured = picture.pixels[~empty][:, :3].max(axis=0)
+        assert (picture.pixels[empty][:, :3] > measured).all()
+        assert picture.legend.note == "pale: filled"
+    plain = raster(holed(tmp_path), 0, mode, stride=stride)
+    assert (plain.pixels[:, :, 3] == 255).sum() == empty.size - empty.sum()
 
 
 @pytest.mark.parametrize("mode", ["gray", "colour", "hillshade"])

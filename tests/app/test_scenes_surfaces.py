@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.app.scenes_made import UTM, reconstruct, table_result
+from tests.app.scenes_made import UTM, reconstruct, table, table_result
 from tests.app.test_scenes_blocks import origin, plan_area
 
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.scenes.palette import layer_colours
-from stepfield_app.scenes.surfaces import surfaces
+from stepfield_app.scenes.surfaces import Way, surfaces
 
 COLOURS = layer_colours(2)
 
@@ -85,3 +85,20 @@ def test_light_does_not_bleed_around_a_step(tmp_path: Path) -> None:
     assert is_upright.sum() == 2 * made.field.compartments.grid.rows
     level = np.unique(mesh.triangles[~is_upright])
     assert len(np.unique(mesh.colours[level], axis=0)) == 1
+
+
+@pytest.mark.parametrize(("way", "more"), [("edges", 4), ("simulator", 9)])
+def test_what_was_filled_is_ground(tmp_path: Path, way: Way, more: int) -> None:
+    holed, filled = (
+        surfaces(made_with_a_hole(tmp_path, fill), np.zeros(3), COLOURS, (0,), way)[0]
+        for fill in ("none", "inpaint")
+    )
+    assert plan_area(filled) - plan_area(holed) == pytest.approx(more * 0.25)
+
+
+def made_with_a_hole(folder: Path, fill: str) -> Reconstruction:
+    points = table()
+    is_hole = (points[:, 0] > 6) & (points[:, 0] < 7) & (points[:, 1] > 2) & (points[:, 1] < 3)
+    return reconstruct(
+        folder, points[~is_hole], cell_size=0.5, layer_tolerance=0.3, alpha=0.5, fill=fill, layering="rank"
+    )

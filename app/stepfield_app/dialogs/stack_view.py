@@ -10,6 +10,7 @@ from PySide6.QtWidgets import (
     QAbstractItemView,
     QCheckBox,
     QGridLayout,
+    QHBoxLayout,
     QHeaderView,
     QLabel,
     QTableWidget,
@@ -31,7 +32,7 @@ _TIPS = (
     "Lowest and greatest height above the base plane, metres",
     "Height above the base plane that is white, metres",
     "Size of the image's file",
-    "Size of the mask's file",
+    "Size of the mask's file, or of both masks",
 )
 _METRES = "\N{NO-BREAK SPACE}m"
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
@@ -47,11 +48,16 @@ class StackView(QWidget):
         self._picture = _Picture(theme, self)
         self._mask = QCheckBox("Show the &mask")
         self._mask.setToolTip("Show the mask in place of the image: white where the height is known")
+        self._filled = QCheckBox("Show what was &filled")
+        self._filled.setToolTip("Show the mask of the holes that were filled: white where nobody measured")
+        self._filled.hide()
         self._size = QLabel("The images will be listed here once the result is there.")
         self._size.setProperty("role", "muted")
         self._size.setWordWrap(True)
         self._files.chosen.connect(self._draw)
-        self._mask.toggled.connect(self._draw)
+        for one, other in ((self._mask, self._filled), (self._filled, self._mask)):
+            one.toggled.connect(lambda is_on, other=other: other.setChecked(other.isChecked() and not is_on))
+            one.toggled.connect(self._draw)
         self._arrange()
 
     @property
@@ -64,6 +70,7 @@ class StackView(QWidget):
         self._preview = preview
         self._size.setText(_about(preview.manifest))
         self._files.fill(preview.layers)
+        self._filled.setVisible(any(layer.filled is not None for layer in preview.layers))
         self._draw()
 
     def choose(self, index: int) -> None:
@@ -73,6 +80,10 @@ class StackView(QWidget):
     def show_mask(self, wanted: bool) -> None:
         """Show masks in place of images."""
         self._mask.setChecked(wanted)
+
+    def show_filled(self, wanted: bool) -> None:
+        """Show masks of what was filled in place of images."""
+        self._filled.setChecked(wanted)
 
     def set_theme(self, theme: Theme) -> None:
         """Draw around the image in the colours of another theme."""
@@ -88,14 +99,21 @@ class StackView(QWidget):
         inside = QRectF(
             column / image.width, row / image.height, grid.columns / image.width, grid.rows / image.height
         )
-        self._picture.show_pixels(layer.mask if self._mask.isChecked() else layer.gray, inside)
+        pixels = layer.mask if self._mask.isChecked() else layer.gray
+        if self._filled.isChecked() and self._filled.isVisibleTo(self):
+            pixels = np.zeros_like(layer.mask) if layer.filled is None else layer.filled
+        self._picture.show_pixels(pixels, inside)
 
     def _arrange(self) -> None:
         layout = QGridLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(8)
         layout.addWidget(self._picture, 0, 0, 2, 1)
-        layout.addWidget(self._mask, 2, 0)
+        masks = QHBoxLayout()
+        masks.addWidget(self._mask)
+        masks.addWidget(self._filled)
+        masks.addStretch(1)
+        layout.addLayout(masks, 2, 0)
         layout.addWidget(self._files, 0, 1)
         layout.addWidget(self._size, 1, 1, 2, 1, Qt.AlignmentFlag.AlignTop)
         layout.setColumnStretch(0, 2)

@@ -69,6 +69,12 @@ RECONSTRUCTION = Described(
     "What layers become triangles by, here and for simulators (6): exactly the ground of their pillars, or a "
     "vertex a pixel, which cuts the sides and loses what is thin",
 )
+FILL = Described(
+    "fill",
+    "Fill holes",
+    "Give holes of a layer a height that nobody measured; a mask of its own says where",
+)
+FILL_SIZE = Described("fill_size", "Holes up to", "Longest side of the holes that are filled")
 BITS = Described("bits", "Bits", "Bits of a pixel of the height-maps (Eq. 2 is 8)")
 PAD = Described("pad", "Padding", "Widen the images to powers of two, as most simulators ask")
 WHITE = Described(
@@ -91,6 +97,12 @@ OPTIONS: dict[str, tuple[tuple[str, Any], ...]] = {
     "walls": (("like all pillars", "mean"), ("to their tops", "top"), ("as obstacles", "layer")),
     "complex_parts": (("as height-maps", "off"), ("as a mesh", "mesh")),
     "reconstruction": (("edges", "edges"), ("as a simulator", "simulator")),
+    "fill": (
+        ("no", "none"),
+        ("nearest pillar", "nearest"),
+        ("linear", "linear"),
+        ("inpaint", "inpaint"),
+    ),
     "max_layers": (("auto", "auto"), ("no limit", "none"), *((str(n), n) for n in range(1, 13))),
     "bits": (("16 bits", 16), ("8 bits", 8)),
     "pad": (("powers of two", "pow2"), ("none", "none")),
@@ -132,12 +144,14 @@ class ParametersPanel(QWidget):
         self.tolerance = LengthRow(TOLERANCE, document, self)
         self.link_step = LengthRow(LINK_STEP, document, self)
         self.complex_residual = LengthRow(COMPLEX_RESIDUAL, document, self)
+        self.fill_size = LengthRow(FILL_SIZE, document, self)
         self.min_points = CountRow(MIN_POINTS, MOST_POINTS, document, self)
         described = (
             LAYERING,
             PILLAR_HEIGHT,
             WALLS,
             RECONSTRUCTION,
+            FILL,
             MAX_LAYERS,
             COMPLEX,
             BITS,
@@ -149,6 +163,7 @@ class ParametersPanel(QWidget):
         self._rows: tuple[LengthRow | CountRow | ChoiceRow, ...] = (
             *(self.cell_size, self.alpha, self.tolerance, self.link_step, self.min_points),
             self.complex_residual,
+            self.fill_size,
             *self.choices.values(),
         )
         guard = WheelGuard(self)
@@ -168,7 +183,9 @@ class ParametersPanel(QWidget):
         more = QWidget()
         images = [self.choices[name] for name in ("bits", "pad", "range", "clearance")]
         meshed = [self.choices["complex_parts"], self.complex_residual]
-        more.setLayout(_grid([self.link_step, self.min_points, self.choices["max_layers"], *meshed, *images]))
+        holes = [self.choices["fill"], self.fill_size]
+        layers = [self.link_step, self.min_points, self.choices["max_layers"]]
+        more.setLayout(_grid([*layers, *holes, *meshed, *images]))
         layout.addWidget(Fold("More", more))
         layout.addStretch(1)
         content.setLayout(layout)
@@ -186,7 +203,8 @@ class ParametersPanel(QWidget):
         self._page.set_filled(facts is not None)
         if facts is not None:
             cells, heights = cell_range(facts), height_range(facts)
-            self.cell_size.set_range(cells)
+            for row in (self.cell_size, self.fill_size):
+                row.set_range(cells)
             for row in (self.alpha, self.tolerance, self.link_step, self.complex_residual):
                 row.set_range(heights)
         self._show()

@@ -18,7 +18,7 @@ from stepfield.layers import UNASSIGNED
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.scenes.arrays import frozen, robust_range, steps
 from stepfield_app.scenes.legend import Legend
-from stepfield_app.scenes.thinned import Pixels, pixels
+from stepfield_app.scenes.thinned import Pixels, filled, pixels
 from stepfield_app.theme import WALL_COLOUR, ramp, rgb
 
 Bytes = NDArray[np.uint8]
@@ -31,6 +31,8 @@ Mode = Literal["gray", "colour", "hillshade"]
 LIGHT = (-0.5, 0.5, 0.7071)
 #: Every so manieth diagonal of a wall's pixels is hatched.
 HATCH = 2
+#: How much of white what was filled has.
+PALE = 0.55
 #: Light that a slope facing away still has.
 AMBIENT = 0.35
 
@@ -42,7 +44,7 @@ class Raster:
     Attributes
     ----------
     pixels : ndarray of shape (rows, columns, 4), uint8
-        Red, green, blue, opacity (0 in holes).
+        Red, green, blue, opacity (0 in holes that were not filled).
     elevations : ndarray of shape (rows, columns), float32
         Scan coordinates, metres; NaN in holes.
     legend : Legend or None
@@ -70,7 +72,7 @@ def raster(
         -1 for the pillars in no layer, the highest of each compartment.
     mode : str
         ``gray``: as the exported image, without its padding. ``colour``: by height. ``hillshade``: the same
-        with light from the north-west. Walls among surfaces are hatched in both.
+        with light from the north-west. Walls among surfaces are hatched in both, filled holes are pale.
     span : tuple of float
         Elevations the ramp spans, scan coordinates; the layer's own by default.
     stride : int
@@ -78,19 +80,30 @@ def raster(
     """
     [part] = pixels(result, [layer], stride)
     grid, heights = part.grid, _heights(result, part)
+    holes = filled(result, layer, stride)
+    surface = np.fmax(heights, _heights(result, holes)) if len(holes.compartment) else heights
     if mode == "gray":
-        gray = _exported(result, layer, heights)
+        gray = _exported(result, layer, surface)
         return Raster(
-            _opaque(np.repeat(gray[:, :, np.newaxis], 3, axis=2), heights), heights, _levels(result)
+            _opaque(np.repeat(gray[:, :, np.newaxis], 3, axis=2), surface), heights, _levels(result)
         )
     low, high = span or robust_range(heights)
-    colours = ramp("height")[steps(heights, low, high, 256)]
+    colours = ramp("height")[steps(surface, low, high, 256)]
     if mode == "hillshade":
-        shade = hillshade(heights, grid.cell_size)
+        shade = hillshade(surface, grid.cell_size)
         colours = np.rint(colours * shade[:, :, np.newaxis]).astype(np.uint8)
-    note = "red: wall" if _hatch(colours, result, layer, part) else ""
-    legend = Legend("Elevation", "m", ramp("height"), low=low, high=high, note=note)
-    return Raster(_opaque(colours, heights), heights, legend if len(part.pillars) else None)
+    notes = ["red: wall"] if _hatch(colours, result, layer, part) else []
+    notes += ["pale: filled"] if _pale(colours, holes) else []
+    legend = Legend("Elevation", "m", ramp("height"), low=low, high=high, note=", ".join(notes))
+    return Raster(_opaque(colours, surface), heights, legend if len(part.pillars) else None)
+
+
+def _pale(colours: Bytes, holes: Pixels) -> bool:
+    """Make what was filled paler than what was measured, in place; tell whether there is any."""
+    row, column = holes.grid.row_column(holes.compartment)
+    pale = colours[row, column] * (1 - PALE) + 255 * PALE
+    colours[row, column] = np.rint(pale).astype(np.uint8)
+    return bool(len(holes.compartment))
 
 
 def _hatch(colours: Bytes, result: Reconstruction, layer: int, part: Pixels) -> bool:

@@ -14,7 +14,7 @@ from stepfield_app.render.scene import Triangles
 from stepfield_app.scenes.arrays import frozen, steps
 from stepfield_app.scenes.blocks import local_span, meshes
 from stepfield_app.scenes.stacks import own_columns, solids
-from stepfield_app.scenes.thinned import pixels, pooled, stride_for
+from stepfield_app.scenes.thinned import pooled, stride_for, with_filled
 from stepfield_app.theme import ramp
 
 Bytes = NDArray[np.uint8]
@@ -97,7 +97,7 @@ def surfaces(
 def _simulated(result: Reconstruction, indices: Sequence[int], finest: int) -> Iterator[Mapping[int, Mesh]]:
     """Make triangles of layers in levels of detail, at elevations above the lowest point."""
     for level in range(LEVELS):
-        parts = pixels(result, indices, finest << level)
+        parts = with_filled(result, indices, finest << level)
         yield {
             index: as_simulator(part.grid, part.compartment, part.elevation)
             for index, part in zip(indices, parts, strict=True)
@@ -110,7 +110,7 @@ def _covering(result: Reconstruction, finest: int, sampled: bool) -> Iterator[Ma
     Hidden layers take part: what is shown must not change its shape when others are hidden.
     """
     indices = [layer.index for layer in result.layers if not layer.is_obstacles]
-    parts = pixels(result, indices, finest if sampled else 1)
+    parts = with_filled(result, indices, finest if sampled else 1)
     if finest > 1 and not sampled:
         parts = [pooled(part, finest) for part in parts]
     # Places further apart may differ by as much more and still be one slope.

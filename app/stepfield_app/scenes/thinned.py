@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stepfield.filling import NOTHING
 from stepfield.grid import Grid
 from stepfield.layers import UNASSIGNED
 from stepfield.reconstruction import Reconstruction
@@ -69,7 +70,7 @@ class Pixels:
     elevation : ndarray of shape (n,), float64
         Metres above the scan's lowest point.
     pillars : ndarray of shape (n,), int64
-        Indices into the step-field.
+        Indices into the step-field; -1 where there is none, but a hole that was filled.
     """
 
     grid: Grid
@@ -93,6 +94,40 @@ def pixels(result: Reconstruction, layers: Sequence[int], stride: int = 1) -> li
     their, elevation = result.layering.layer[some.pillars], field.elevation[some.pillars]
     masks = [their == layer for layer in layers]
     return [Pixels(some.grid, some.compartment[mask], elevation[mask], some.pillars[mask]) for mask in masks]
+
+
+def filled(result: Reconstruction, layer: int, stride: int = 1) -> Pixels:
+    """Return what was filled in a layer, of every ``stride``-th row and column; -1 stands for no pillar."""
+    grid = result.field.compartments.grid
+    made = NOTHING if layer == UNASSIGNED else result.layers[layer].filled
+    compartment, elevation = made.compartment, made.elevation
+    if stride > 1:
+        row, column = grid.row_column(compartment)
+        kept = (row % stride == 0) & (column % stride == 0)
+        coarse = coarse_grid(grid, stride)
+        compartment = row[kept] // stride * coarse.columns + column[kept] // stride
+        grid, elevation = coarse, elevation[kept]
+    return Pixels(grid, compartment, elevation, np.full(len(compartment), -1))
+
+
+def with_filled(result: Reconstruction, layers: Sequence[int], stride: int = 1) -> list[Pixels]:
+    """Return :func:`pixels` of layers and what was filled in them as one ground."""
+    return [
+        _joined(part, filled(result, layer, stride))
+        for layer, part in zip(layers, pixels(result, layers, stride), strict=True)
+    ]
+
+
+def _joined(part: Pixels, more: Pixels) -> Pixels:
+    if not len(more.compartment):
+        return part
+    compartment = np.concatenate([part.compartment, more.compartment])
+    order = np.argsort(compartment, kind="stable")
+    elevation, pillars = (
+        np.concatenate([getattr(each, name) for each in (part, more)])[order]
+        for name in ("elevation", "pillars")
+    )
+    return Pixels(part.grid, compartment[order], elevation, pillars)
 
 
 def pooled(part: Pixels, factor: int) -> Pixels:

@@ -40,6 +40,10 @@ OPTIONS: dict[str, Any] = {
     "reconstruction": _option(
         "--reconstruction", "edges|simulator", "Surface of the targets' meshes. (default: edges)"
     ),
+    "fill": _option("--fill", "none|nearest|linear|inpaint", "How to fill holes of layers. (default: none)"),
+    "fill_size": _option(
+        "--fill-size", "M|auto", "Longest side of the holes that are filled. (default: 5 cells)"
+    ),
     "bits": _option("--bits", "8|16", "Bits of a pixel. (default: 16)"),
     "pad": _option("--pad", "pow2|none", "Pad images to powers of two. (default: pow2)"),
     "range": _option("--range", "shared|layer", "Whose greatest height is white. (default: shared)"),

@@ -128,9 +128,10 @@ def _complex_faults(stack: Stack) -> Iterator[str]:
 
 def _layer_faults(stack: Stack, layer: LayerEntry) -> Iterator[str]:
     gray, mask = stack.gray(layer), stack.mask(layer)
-    if np.any((gray > 0) != mask):
-        wrong = np.count_nonzero((gray > 0) != mask)
-        yield f"{layer.image}: {wrong} pixels disagree with {layer.mask}: only holes are gray 0"
+    filled = stack.filled(layer)
+    if wrong := np.count_nonzero((gray > 0) != (mask | filled)):
+        masks = layer.mask if layer.filled_mask is None else f"{layer.mask} and {layer.filled_mask}"
+        yield f"{layer.image}: {wrong} pixels disagree with {masks}: only holes are gray 0"
     column, row = stack.manifest.image.offset
     grid = stack.manifest.grid
     inside = np.s_[row : row + grid.rows, column : column + grid.columns]
@@ -139,10 +140,24 @@ def _layer_faults(stack: Stack, layer: LayerEntry) -> Iterator[str]:
         yield f"{layer.mask}: has occupied pixels in the padding"
     if pillars != layer.pillars:
         yield f"{layer.mask}: {pillars} occupied pixels where the manifest says {layer.pillars} pillars"
+    yield from _filled_faults(layer, mask, filled, inside)
     yield from _bottom_faults(stack, layer, gray)
     yield from clearance_faults(stack, layer)
     if pillars:
         yield from _range_faults(stack, layer, layer.offset + layer.scale * gray[mask])
+
+
+def _filled_faults(
+    layer: LayerEntry, mask: np.ndarray, filled: np.ndarray, inside: tuple[slice, slice]
+) -> Iterator[str]:
+    """Say where the mask of what was filled is not that of holes, or not what the manifest says."""
+    name, count = layer.filled_mask or "manifest.json", int(np.count_nonzero(filled))
+    if wrong := np.count_nonzero(mask & filled):
+        yield f"{name}: {wrong} pixels are measured, too, says {layer.mask}"
+    if count != np.count_nonzero(filled[inside]):
+        yield f"{name}: has filled pixels in the padding"
+    if count != layer.filled:
+        yield f"{name}: {count} filled pixels where the manifest says {layer.filled}"
 
 
 def _bottom_faults(stack: Stack, layer: LayerEntry, gray: np.ndarray) -> Iterator[str]:

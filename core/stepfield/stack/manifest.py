@@ -91,6 +91,8 @@ class ClearanceEntry(Frozen):
 class LayerEntry(Frozen):
     """One layer: elevation = offset + scale * gray, within half a level.
 
+    ``mask`` is where pillars are; ``filled_mask``, where holes were filled: there the image has a height
+    that nobody measured, in ``filled`` pixels. ``pillars`` and heights are of what was measured.
     Obstacles are solid: ``bottom`` is an image of their lower ends, of the same scale, offset and mask.
     """
 
@@ -107,6 +109,8 @@ class LayerEntry(Frozen):
     kind: Literal["surface", "obstacles"] = "surface"
     bottom: FileName | None = None
     clearance: ClearanceEntry | None = None
+    filled_mask: FileName | None = None
+    filled: Natural = 0
 
 
 class ComplexEntry(Frozen):
@@ -171,6 +175,11 @@ def mask_name(index: int) -> str:
 def bottom_name(index: int) -> str:
     """File name of the image of a layer's lower ends."""
     return f"layer_{index:02d}_bottom.png"
+
+
+def filled_name(index: int) -> str:
+    """File name of the mask of what was filled in a layer."""
+    return f"layer_{index:02d}_filled.png"
 
 
 def clearance_name(index: int) -> str:
@@ -265,8 +274,15 @@ def _layer(layer: Layer, result: Reconstruction, clearance: ClearanceEntry | Non
         kind="obstacles" if layer.is_obstacles else "surface",
         bottom=bottom_name(layer.index) if layer.is_obstacles else None,
         clearance=clearance,
+        filled_mask=filled_name(layer.index) if is_filled(result, layer) else None,
+        filled=len(layer.filled.compartment),
         **extent,
     )
+
+
+def is_filled(result: Reconstruction, layer: Layer) -> bool:
+    """Whether holes of a layer were looked for, so that a mask says what was filled."""
+    return result.parameters.fill != "none" and not layer.is_obstacles
 
 
 def _why_unassigned(result: Reconstruction) -> str:
@@ -296,6 +312,11 @@ def warnings(result: Reconstruction, lifted: int) -> tuple[str, ...]:
     for number, outcome in enumerate(result.outcomes, start=1):
         if not outcome.resolved:
             found.append(f"move {number} was not applied: {outcome.reason}")
+    if left := sum(layer.filled.left for layer in result.layers):
+        found.append(
+            f"{left} compartments of holes were not filled: "
+            f"another layer is there, or nearer than the tolerance"
+        )
     if lifted:
         found.append(
             f"{lifted} pixels were too low for {result.parameters.bits} bits and became gray 1; "

@@ -63,9 +63,24 @@ class Stack:
         mask: NDArray[np.bool_] = self._pixels(layer.mask) > 0
         return mask
 
-    def elevations(self, layer: LayerEntry) -> NDArray[np.float64]:
-        """Elevations of a layer over the grid in scan coordinates, shape (rows, columns), NaN in holes."""
-        return self._elevations(layer, self.gray(layer))
+    def filled(self, layer: LayerEntry) -> NDArray[np.bool_]:
+        """Pixels of a layer that were filled, padding included, shape (height, width)."""
+        if layer.filled_mask is None:
+            return np.zeros((self.manifest.image.height, self.manifest.image.width), bool)
+        filled: NDArray[np.bool_] = self._pixels(layer.filled_mask) > 0
+        return filled
+
+    def elevations(self, layer: LayerEntry, *, filled: bool = False) -> NDArray[np.float64]:
+        """Elevations of a layer over the grid in scan coordinates, shape (rows, columns), NaN in holes.
+
+        With ``filled``, those that were filled have one, too.
+        """
+        elevations = self._elevations(layer, self.gray(layer))
+        if filled and layer.filled_mask is not None:
+            inside = self._inside
+            levels = layer.offset + layer.scale * self.gray(layer)[inside]
+            elevations = np.where(self.filled(layer)[inside], levels, elevations)
+        return elevations
 
     def bottoms(self, layer: LayerEntry) -> NDArray[np.float64] | None:
         """Elevations of the lower ends of obstacles, as :meth:`elevations`; None for a surface."""

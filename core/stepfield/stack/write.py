@@ -25,7 +25,9 @@ from stepfield.stack.manifest import (
     clearance_entry,
     clearance_name,
     describe,
+    filled_name,
     image_name,
+    is_filled,
     mask_name,
 )
 
@@ -89,10 +91,13 @@ def write_stack(
 
 
 def _save(result: Reconstruction, layer: Layer, folder: Path) -> int:
-    """Write a layer's images and mask; return how many of its pixels were lifted from 0."""
+    """Write a layer's images and masks; return how many of its pixels were lifted from 0."""
     image = result.height_map(layer)
     save_gray(folder / image_name(layer.index), image.gray)
     save_gray(folder / mask_name(layer.index), image.mask.astype(np.uint8) * np.uint8(255))
+    if is_filled(result, layer):
+        filled = np.zeros_like(image.mask) if image.filled is None else image.filled
+        save_gray(folder / filled_name(layer.index), filled.astype(np.uint8) * np.uint8(255))
     if not layer.is_obstacles:
         return image.lifted
     bottom = result.bottom_map(layer)

@@ -28,7 +28,7 @@ FAR = 10_000.0
 
 @dataclass(frozen=True, eq=False)
 class TerrainLayer:
-    """One layer as a raster of its pillars' tops.
+    """One layer as a raster of its pillars' tops, and of what was filled between them.
 
     Attributes
     ----------
@@ -260,7 +260,7 @@ def _is_far(coordinates: tuple[float, ...]) -> bool:
 
 def _layer(stack: Stack, entry: LayerEntry, origin: float) -> TerrainLayer:
     grid = stack.grid
-    elevations = stack.elevations(entry)
+    elevations = stack.elevations(entry, filled=True)
     if elevations.shape != (grid.rows, grid.columns):
         raise StackError(f"{stack.folder}: the grid does not fit into the images; build the stack again")
     bottoms, room = stack.bottoms(entry), stack.clearances(entry)
