@@ -36,6 +36,8 @@ class FirstPaint(QObject):
         return False
 
     def _tell(self) -> None:
+        if not self._window.isVisible():  # closed, or hidden for now: nothing may begin
+            return
         self._window.removeEventFilter(self)
         if self._window.isVisible():  # else it has been closed since: nothing must begin any more
             self.happened.emit()
