@@ -156,3 +156,11 @@ def test_a_closed_scan_leaves_no_outline(bench: Outlined) -> None:
     bench.rest()
     assert bench.segments(kind=PLACE) is None
     assert bench.segments(kind=SELECTION) is None
+
+
+def test_links_are_found_while_a_selection_rests(bench: Outlined) -> None:
+    """The first growing along a surface would wait for them."""
+    assert "pairs" not in vars(bench.answer.result.linked)
+    bench.selection.all_of(1)
+    bench.rest()
+    bench.qtbot.waitUntil(lambda: "pairs" in vars(bench.answer.result.linked))

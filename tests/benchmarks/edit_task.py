@@ -59,8 +59,9 @@ def _timed(
     yield lambda: window.recolour_feed.is_current
     yield lambda: True
     found["seen"].append(time.perf_counter() - begin)
-    yield partial(settled, window)
+    yield lambda: window.scene_feed.is_idle and window.client.is_at_rest()
     found["drawn"].append(time.perf_counter() - begin)
+    yield partial(settled, window)
     found["gaps"] += np.diff(clock.ticks).tolist()
     yield partial(is_past, time.perf_counter() + PAUSE)
 

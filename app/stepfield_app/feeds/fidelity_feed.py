@@ -21,6 +21,8 @@ DRAWN = 30_000
 FEW = 250_000
 #: Milliseconds of quiet before all points of a larger scan are compared: the views come first.
 QUIET = 700
+#: Milliseconds by which the pictures of a result go before its first figures: an edit is to be seen at once.
+COURTESY = 250
 #: Seconds between two comparisons: the views of a moving hand come first.
 PACE = 0.3
 
@@ -51,6 +53,8 @@ class FidelityFeed(QObject):
         self._worker.failed.connect(lambda _, error: self.failed.emit(error))
         self._quiet = QTimer(self, singleShot=True, interval=QUIET)
         self._quiet.timeout.connect(self._compare_all)
+        self._courtesy = QTimer(self, singleShot=True, interval=COURTESY)
+        self._courtesy.timeout.connect(self._begin)
         document.answer_changed.connect(self._follow)
         document.held_changed.connect(lambda _: self._settle())
         document.pending_changed.connect(lambda _: self._mark())
@@ -58,11 +62,13 @@ class FidelityFeed(QObject):
     @property
     def is_idle(self) -> bool:
         """Whether the newest result's figures are shown, be they of an even draw of a large scan's points."""
-        return self._document.answer is None or self._is_newest or not self._worker.busy
+        is_busy = self._worker.busy or self._courtesy.isActive()
+        return self._document.answer is None or self._is_newest or not is_busy
 
     def close(self) -> None:
         """End the worker."""
         self._quiet.stop()
+        self._courtesy.stop()
         self._worker.close()
 
     def set_meshed(self, meshed: Meshed | None) -> None:
@@ -84,6 +90,7 @@ class FidelityFeed(QObject):
 
     def _follow(self, answer: Answer | None) -> None:
         self._quiet.stop()
+        self._courtesy.stop()
         if answer is None:
             self._facts = None
             self._worker.cancel()
@@ -93,9 +100,17 @@ class FidelityFeed(QObject):
         running = self._worker.running
         if running is not None and running.most is None:
             self._worker.cancel()  # it would take too long
+        if self._document.held:
+            self._begin()
+        else:
+            self._courtesy.start()
+        self._mark()
+
+    def _begin(self) -> None:
+        answer = self._document.answer
+        assert answer is not None
         is_small = len(answer.result.scan) <= FEW and not self._document.held
         self._ask(answer.result, None if is_small else DRAWN)
-        self._mark()
 
     def _take(self, facts: FidelityFacts) -> None:
         """Show figures; while a hand moves also those of a result that is no longer the newest."""

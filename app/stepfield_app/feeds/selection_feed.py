@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, QTimer, Signal
 
 from stepfield.progress import Progress
 from stepfield.reconstruction import Reconstruction
@@ -26,6 +26,10 @@ from stepfield_app.selection import Selection
 #: How far behind points and surfaces an outline still counts as seen, in sizes of a compartment: both reach
 #: above and below the tops of the pillars.
 SLACK = 0.5
+
+
+#: Milliseconds a selection rests before links are found for what may be done with it next.
+AHEAD = 600
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +88,11 @@ class SelectionFeed(QObject):
         self._rims = NewestWins[_Wish, dict[str, Rim]](_Outlining(), "outlines in 3-D", self)
         self._rims.answered.connect(self._show)
         self._rims.failed.connect(lambda _, error: self.failed.emit(error))
+        self._links = NewestWins[Reconstruction, None](_found_links, "links ahead", self)
+        self._ahead = QTimer(self, singleShot=True, interval=AHEAD)
+        self._ahead.timeout.connect(self._find_links)
         selection.changed.connect(self._ask)
+        selection.changed.connect(self._ahead.start)
         document.answer_changed.connect(self._follow)
 
     @property
@@ -110,7 +118,9 @@ class SelectionFeed(QObject):
         self.point_out(None if boxes is None or answer is None else AtPlaces(answer.result, boxes))
 
     def close(self) -> None:
-        """End the worker."""
+        """End the workers."""
+        self._ahead.stop()
+        self._links.close()
         self._rims.close()
 
     def _follow(self, answer: Answer | None) -> None:
@@ -118,6 +128,12 @@ class SelectionFeed(QObject):
         place = self._place
         if place is not None and (answer is None or answer.result is not place.result):
             self.show_places(place.boxes if isinstance(place, AtPlaces) else None)
+
+    def _find_links(self) -> None:
+        """Find the links while the hand rests: the first growing along a surface would wait for them."""
+        selection = self._selection
+        if selection.count and selection.result is not None and not self._document.held:
+            self._links.ask(selection.result)
 
     def _ask(self) -> None:
         chosen: dict[str, Chosen | AtPlaces] = {}
@@ -154,6 +170,10 @@ class SelectionFeed(QObject):
             self._client.set_outline(view, made.whole, kind=kind)
         else:
             self._client.set_outline(view, made.edges, kind=kind, slack=SLACK * made.cell_size)
+
+
+def _found_links(result: Reconstruction, progress: Progress) -> None:
+    assert result.links is not None  # the result keeps them
 
 
 class _Outlining:
