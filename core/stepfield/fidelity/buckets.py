@@ -68,6 +68,36 @@ class Buckets:
         step = np.arange(len(place)) - np.repeat(np.cumsum(count) - count, count)
         return place, self.triangle[first[place] + step]
 
+    def around(self, square: Integers, ring: int) -> Integers:
+        """Squares of a ring around others, shape (n, 8 * ring); -1 beyond the grid."""
+        grid = self.grid
+        row, column = grid.row_column(square)
+        down, right = _ring(ring)
+        rows, columns = row[:, np.newaxis] + down, column[:, np.newaxis] + right
+        there = (rows >= 0) & (rows < grid.rows) & (columns >= 0) & (columns < grid.columns)
+        return np.where(there, rows * grid.columns + columns, -1)
+
+    def least_squared(self, square: Integers, x: Floats, y: Floats, z: Floats) -> Floats:
+        """Squared distance that everything over a square has at least."""
+        grid = self.grid
+        row, column = grid.row_column(square)
+        west, south = column * grid.cell_size, (grid.rows - 1 - row) * grid.cell_size
+        least = np.square(outside(x, west, west + grid.cell_size))
+        least += np.square(outside(y, south, south + grid.cell_size))
+        least += np.square(outside(z, self.low[square], self.high[square]))
+        least *= 1 - 1e-5  # triangles may reach a hair into the next square
+        return least
+
+    def to_border(self, x: Floats, y: Floats) -> Floats:
+        """Distance in the plan from the nearest side of a point's square; not positive beside the grid."""
+        side = self.grid.cell_size
+        grid = self.grid
+        ends = []
+        for axis, count in ((x, grid.columns), (y, grid.rows)):
+            step = np.clip(np.floor(axis / side), 0, count - 1) * side
+            ends += [axis - step, step + side - axis]
+        return np.minimum(np.minimum(ends[0], ends[1]), np.minimum(ends[2], ends[3]))
+
 
 def coarsened(grid: Grid, triangles: int) -> Grid:
     """Return a grid over the same place without absurdly more squares than there are triangles."""
@@ -106,3 +136,17 @@ def _entries(triangles: Triangles, grid: Grid) -> tuple[Integers, Integers]:
     up, right = np.divmod(step, wide[triangle])
     row = grid.rows - 1 - (first[1][triangle] + up)
     return row * grid.columns + first[0][triangle] + right, triangle
+
+
+def _ring(ring: int) -> tuple[Integers, Integers]:
+    """Steps to the squares of a ring, nearest ways first: rows down and columns right, shape (8 * ring,)."""
+    steps = np.arange(-ring, ring + 1)
+    down, right = (a.ravel() for a in np.meshgrid(steps, steps, indexing="ij"))
+    outer = np.maximum(np.abs(down), np.abs(right)) == ring
+    return down[outer], right[outer]
+
+
+def outside(value: Floats, low: Floats | float, high: Floats | float) -> Floats:
+    """How far a value is from an interval, 0 within it."""
+    away: Floats = np.maximum(np.maximum(low - value, value - high), 0)
+    return away

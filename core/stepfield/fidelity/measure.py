@@ -22,8 +22,8 @@ Places = Callable[[slice], tuple[Floats, Floats, Floats]]
 
 #: Points one thread takes at a time: sorted by their squares, they find their triangles in the cache.
 BATCH = 1 << 18
-#: Points whose pairs are looked at at once.
-BLOCK = 1 << 15
+#: Points whose pairs are looked at at once: what they need stays in the cache.
+BLOCK = 1 << 13
 
 
 @dataclass(frozen=True, eq=False)

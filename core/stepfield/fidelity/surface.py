@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from stepfield.fidelity.buckets import Buckets, coarsened, grid_for
+from stepfield.fidelity.buckets import Buckets, coarsened, grid_for, outside
 from stepfield.fidelity.triangles import Triangles
 from stepfield.grid import Grid
 from stepfield.surface import Mesh
@@ -107,8 +107,8 @@ class Surface:
         up, part = np.full(len(x), np.inf), np.full(len(x), -1)
         square = self.buckets.grid.compartment(x, y)
         self._improve(np.arange(len(x)), square, (x, y, z), up, part)
-        rim = np.flatnonzero(np.isinf(up) & (self._to_border(x, y) < self._hair))
-        for beside in self._around(square[rim], 1).T if len(rim) else ():
+        rim = np.flatnonzero(np.isinf(up) & (self.buckets.to_border(x, y) < self._hair))
+        for beside in self.buckets.around(square[rim], 1).T if len(rim) else ():
             there = np.flatnonzero(beside >= 0)
             self._improve(rim[there], beside[there], (x, y, z), up, part)
         return up, part
@@ -132,7 +132,7 @@ class Surface:
         square, place = self.buckets.grid.compartment(x, y), (x, y, z)
         for every in _portions(np.arange(len(x)), POINTS):
             self._approach(every, square[every], place, best)
-        border = np.maximum(self._to_border(x, y), 0)
+        border = np.maximum(self.buckets.to_border(x, y), 0)
         border[self._is_out_of_reach(x, y, z)] = np.inf
         for ring in range(1, MOST_RINGS + 1):
             least = border + (ring - 1) * self.buckets.grid.cell_size
@@ -147,9 +147,9 @@ class Surface:
     def _is_out_of_reach(self, x: Floats, y: Floats, z: Floats) -> NDArray[np.bool_]:
         """Tell which points are so far from all triangles that looking around them finds none."""
         grid, reach = self.buckets.grid, self.reach
-        out: NDArray[np.bool_] = _outside(x, 0.0, grid.columns * grid.cell_size) > reach
-        out |= _outside(y, 0.0, grid.rows * grid.cell_size) > reach
-        out |= _outside(z, self._lowest, self._highest) > reach
+        out: NDArray[np.bool_] = outside(x, 0.0, grid.columns * grid.cell_size) > reach
+        out |= outside(y, 0.0, grid.rows * grid.cell_size) > reach
+        out |= outside(z, self._lowest, self._highest) > reach
         return out
 
     @property
@@ -166,17 +166,15 @@ class Surface:
         part: Integers,
     ) -> None:
         """Take the triangles of a square for points that are vertically nearer to them."""
-        pair, triangle = self.buckets.pairs(square)
-        if not len(pair):
+        asked, triangle = self.buckets.pairs(square)
+        met, above = self.triangles.above(triangle, point[asked], place)
+        if not len(met):
             return
-        of = point[pair]
-        above = self.triangles.above(triangle, *(axis[of] for axis in place))
-        away = np.abs(above)
-        np.nan_to_num(away, copy=False, nan=np.inf)
+        asked, triangle, away = asked[met], triangle[met], np.abs(above)
+        of, first = point[asked], np.flatnonzero(np.diff(asked, prepend=-1))
         least = np.full(len(square), np.inf)
-        first = np.flatnonzero(np.diff(pair, prepend=-1))
-        least[pair[first]] = np.minimum.reduceat(away, first)
-        winner = np.flatnonzero((away == least[pair]) & (away < np.abs(up[of])))[::-1]  # ties to the first
+        least[asked[first]] = np.minimum.reduceat(away, first)
+        winner = np.flatnonzero((away == least[asked]) & (away < np.abs(up[of])))[::-1]  # ties to the first
         up[of[winner]], part[of[winner]] = above[winner], self.part[triangle[winner]]
 
     def _approach(
@@ -199,56 +197,12 @@ class Surface:
         best: Floats,
     ) -> None:
         """Come nearer by the squares of a ring around some points' own."""
-        around = self._around(square, ring)
+        around = self.buckets.around(square, ring)
         at, way = np.nonzero(around >= 0)
         there, of = around[at, way], point[at]
-        worth = np.flatnonzero(self._least(there, *(axis[of] for axis in place)) < best[of])
+        worth = np.flatnonzero(self.buckets.least_squared(there, *(axis[of] for axis in place)) < best[of])
         for some in _portions(worth, POINTS):
             self._approach(of[some], there[some], place, best)
-
-    def _least(self, square: Integers, x: Floats, y: Floats, z: Floats) -> Floats:
-        """Squared distance that everything over a square has at least."""
-        grid = self.buckets.grid
-        row, column = grid.row_column(square)
-        west, south = column * grid.cell_size, (grid.rows - 1 - row) * grid.cell_size
-        least = np.square(_outside(x, west, west + grid.cell_size))
-        least += np.square(_outside(y, south, south + grid.cell_size))
-        least += np.square(_outside(z, self.buckets.low[square], self.buckets.high[square]))
-        least *= 1 - 1e-5  # triangles may reach a hair into the next square
-        return least
-
-    def _around(self, square: Integers, ring: int) -> Integers:
-        """Squares of a ring around others, shape (n, 8 * ring); -1 beyond the grid."""
-        grid = self.buckets.grid
-        row, column = grid.row_column(square)
-        down, right = _ring(ring)
-        rows, columns = row[:, np.newaxis] + down, column[:, np.newaxis] + right
-        there = (rows >= 0) & (rows < grid.rows) & (columns >= 0) & (columns < grid.columns)
-        return np.where(there, rows * grid.columns + columns, -1)
-
-    def _to_border(self, x: Floats, y: Floats) -> Floats:
-        """Distance in the plan from the nearest side of a point's square; not positive beside the grid."""
-        side = self.buckets.grid.cell_size
-        grid = self.buckets.grid
-        ends = []
-        for axis, count in ((x, grid.columns), (y, grid.rows)):
-            step = np.clip(np.floor(axis / side), 0, count - 1) * side
-            ends += [axis - step, step + side - axis]
-        return np.minimum(np.minimum(ends[0], ends[1]), np.minimum(ends[2], ends[3]))
-
-
-def _ring(ring: int) -> tuple[Integers, Integers]:
-    """Steps to the squares of a ring, nearest ways first: rows down and columns right, shape (8 * ring,)."""
-    steps = np.arange(-ring, ring + 1)
-    down, right = (a.ravel() for a in np.meshgrid(steps, steps, indexing="ij"))
-    outer = np.maximum(np.abs(down), np.abs(right)) == ring
-    return down[outer], right[outer]
-
-
-def _outside(value: Floats, low: Floats | float, high: Floats | float) -> Floats:
-    """How far a value is from an interval, 0 within it."""
-    away: Floats = np.maximum(np.maximum(low - value, value - high), 0)
-    return away
 
 
 def _portions(indices: Integers, size: int) -> list[Integers]:

@@ -54,21 +54,34 @@ class Triangles:
         high += self.corner[axis]
         return low, high
 
-    def above(self, triangle: Integers, x: Floats, y: Floats, z: Floats) -> Floats:
-        """How far each point is above its triangle, shape (n,), negative below; NaN beside it.
+    def above(
+        self, triangle: Integers, point: Integers, place: tuple[Floats, Floats, Floats]
+    ) -> tuple[Integers, Floats]:
+        """Find the pairs whose point is straight above or below the triangle; never of an upright one.
 
-        Nothing is above or below an upright triangle.
+        Parameters
+        ----------
+        triangle, point : ndarray of shape (n,), int64
+            The pairs.
+        place : tuple of ndarray
+            Coordinates of all points.
+
+        Returns
+        -------
+        pair : ndarray of shape (k,), int64
+            Ascending.
+        up : ndarray of shape (k,)
+            How far each of them is above, negative below.
         """
         (ax, ay), (bx, by), (cx, cy) = self._taken(triangle, 2)
-        east, north = x - ax, y - ay
+        east, north = place[0].take(point) - ax, place[1].take(point) - ay
         area = bx * cy - by * cx
         with np.errstate(divide="ignore", invalid="ignore"):
             s, t = (east * cy - north * cx) / area, (north * bx - east * by) / area
-            inside = np.flatnonzero((s >= -SLACK) & (t >= -SLACK) & (s + t <= 1 + SLACK))
-        az, bz, cz = (axes[2].take(triangle[inside]) for axes in (self.corner, self.one, self.other))
-        up = np.full(len(triangle), np.nan)
-        up[inside] = z[inside] - az - s[inside] * bz - t[inside] * cz
-        return up
+            pair = np.flatnonzero((s >= -SLACK) & (t >= -SLACK) & (s + t <= 1 + SLACK))
+        az, bz, cz = (axes[2].take(triangle[pair]) for axes in (self.corner, self.one, self.other))
+        up: Floats = place[2].take(point[pair]) - az - s[pair] * bz - t[pair] * cz
+        return pair, up
 
     def squared(self, triangle: Integers, x: Floats, y: Floats, z: Floats) -> Floats:
         """Squared distance of each point from its triangle, shape (n,)."""
