@@ -14,6 +14,7 @@ from stepfield.grid import Grid
 from stepfield.surface import Mesh, Sheet, sheets
 from stepfield.surface.edges import mesh_of
 from stepfield.targets.covering import covered
+from stepfield.targets.thickening import thickened
 
 STEP = 0.3
 
@@ -81,3 +82,14 @@ def test_a_plane_needs_few() -> None:
 def test_where_nothing_is_nothing_comes() -> None:
     made = covered(sheet_of(np.full((30, 30), np.nan, np.float32)), 0.1)
     assert made.triangles.shape == (0, 3)
+
+
+@pytest.mark.parametrize("raster", RASTERS)
+def test_it_can_be_closed(raster: NDArray[np.float32]) -> None:
+    """A body so thick: as large as the ground is, and every edge of it has a triangle on either side."""
+    for sheet in (mesh_of(sheet_of(raster)), covered(sheet_of(raster), 0.03)):
+        body = thickened(sheet, 0.25)
+        assert rim(body) == 0
+        a, b, c = (body.vertices[body.triangles[:, i]] for i in range(3))
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+        assert volume == pytest.approx(0.25 * np.isfinite(raster).sum(), rel=1e-6)
