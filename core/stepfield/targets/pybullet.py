@@ -24,8 +24,8 @@ from stepfield.targets.text import number, readme, write_text
 
 SCRIPT = "load_stack.py"
 PLACES = "stack.json"
-#: What Bullet was measured to take, megabytes and seconds for a million samples.
-MEMORY, TIME = 1400, 6
+#: What Bullet was measured to take, megabytes and seconds for a million triangles.
+MEMORY, TIME = 700, 3
 #: How far the triangles may be from the layer's surface, metres: coplanar ones become one, little else.
 CLOSE = 1e-3
 
@@ -39,7 +39,10 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
     write_text(folder / PLACES, _places(terrain, entries, complex_files))
     write_text(folder / SCRIPT, FROM_TRIANGLES if terrain.reconstruction == "edges" else FROM_RASTERS)
     notes = tuple(limits(terrain))
-    write_text(folder / "README.txt", readme(terrain, "PyBullet", _steps(terrain, bound), notes))
+    write_text(
+        folder / "README.txt",
+        readme(terrain, "PyBullet", _steps(terrain, bound, _count(terrain, folder, entries)), notes),
+    )
     return Written((PLACES, SCRIPT, *files, "README.txt"), notes)
 
 
@@ -95,8 +98,16 @@ def _places(terrain: Terrain, entries: Sequence[dict[str, str]], complex_files: 
     return json.dumps(values, indent=1) + "\n"
 
 
-def _steps(terrain: Terrain, bound: float) -> str:
-    samples = sum(int(layer.occupied.sum()) for layer in terrain.layers) / 1e6
+def _count(terrain: Terrain, folder: Path, entries: Sequence[dict[str, str]]) -> int:
+    """Count the triangles that the script makes or loads; of a raster, about two a sample."""
+    saved = [folder / entry["triangles"] for entry in entries if "triangles" in entry]
+    rasters = [layer for layer, entry in zip(terrain.layers, entries, strict=False) if "file" in entry]
+    made = sum(2 * int(layer.occupied.sum()) for layer in rasters)
+    return made + sum(len(np.load(path, mmap_mode="r")) for path in saved)
+
+
+def _steps(terrain: Terrain, bound: float, triangles: int) -> str:
+    seconds, megabytes = (max(1.0, round(triangles / 1e6 * cost)) for cost in (TIME, MEMORY))
     return f"""
 How to use it
 1. Look at it:    python {SCRIPT}
@@ -111,8 +122,8 @@ How to use it
    load(visible=False) saves a third of the memory where nothing looks.
 
 Every body is static (mass 0) and made of triangles, obstacles are boxes; a hole is a hole for rays and for
-contacts. Large layers are several bodies. Loading takes about {number(max(1.0, round(samples * TIME)))} s \
-and {number(max(1.0, round(samples * MEMORY)))} MB.
+contacts. Large layers are several bodies. Loading takes about {number(seconds)} s \
+and {number(megabytes)} MB.
 
 The files
 {_about_files(terrain, bound)}

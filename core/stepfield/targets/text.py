@@ -88,5 +88,6 @@ def _layers(terrain: Terrain) -> Iterable[str]:
     for layer, entry in zip(terrain.layers, terrain.manifest.layers, strict=True):
         there = layer.elevations[layer.occupied]
         span = f"z = {number(there.min())} to {number(there.max())}" if there.size else "empty"
-        holes = terrain.columns * terrain.rows - entry.pillars
-        yield f"{layer.label}  {one_line(layer.name)}: {span}, {entry.pillars} samples, {holes} holes"
+        holes = terrain.columns * terrain.rows - entry.pillars - entry.filled
+        filled = f" and {entry.filled} where holes were filled" if entry.filled else ""
+        yield f"{layer.label}  {one_line(layer.name)}: {span}, {entry.pillars} samples{filled}, {holes} holes"

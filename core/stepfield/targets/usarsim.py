@@ -115,6 +115,11 @@ def write(terrain: Terrain, folder: Path, options: Options) -> Written:
 def limits(terrain: Terrain) -> list[str]:
     """Say what TerrainInfo makes of several layers and of large ones."""
     found = without_surface(terrain, vertices=True) + left_out(terrain)
+    if terrain.reconstruction == "edges":
+        found.append(
+            "a terrain has a vertex a sample, whatever the reconstruction: sides are cut by half a "
+            "compartment and what is one compartment wide is gone; the mesh target has all of it"
+        )
     if len(terrain.layers) > 1:
         found.append(
             "terrains above each other in one zone have not been tried in UnrealEd: should an upper one "
