@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stepfield.complex_parts import ComplexParts, build_complex_parts, without
+from stepfield.complex_parts import ComplexParts, build, build_complex_parts, without
 from stepfield.complex_parts.detection import detect, dilated, touching
 from stepfield.complex_parts.job import Job
 from stepfield.complex_parts.points import owned_points
@@ -139,6 +139,19 @@ def test_thinning_knows_no_order_and_no_chunks() -> None:
 
 def test_thinning_nothing_gives_nothing() -> None:
     assert Thinning(0.25).means().shape == (0, 3)
+
+
+def test_a_huge_scan_is_meshed_from_fewer_points(
+    result: Reconstruction, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else ten million points would take ten minutes and gigabytes."""
+    found = detect(result, residuals(result))
+    usual = build._gathered(result, found, silent).job
+    monkeypatch.setattr(build, "MOST_POINTS", len(usual.points) // 3)
+    fewer = build._gathered(result, found, silent).job
+    assert len(fewer.points) <= len(usual.points) // 3
+    assert fewer.spacing in {2 * usual.spacing, 4 * usual.spacing}
+    assert np.array_equal(fewer.samples, usual.samples)
 
 
 # ---- the mesh -----------------------------------------------------------------------------------------

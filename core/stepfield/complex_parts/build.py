@@ -24,6 +24,8 @@ Floats = NDArray[np.float64]
 
 #: Points are evened out to so many a compartment's side before they are meshed.
 POINTS_A_SIDE = 2
+#: Points to mesh at most, about a minute's work; where they would be more they are evened out further.
+MOST_POINTS = 500_000
 
 
 def build_complex_parts(result: Reconstruction, progress: Progress = silent) -> ComplexParts:
@@ -82,7 +84,18 @@ def _gathered(result: Reconstruction, found: Flags, progress: Progress) -> _Gath
         own = found[owned.pillar]
         samples.append(owned.places[own])
         pillars.append(owned.pillar[own])
-    return _Gathered(Job(spacing, thinning.means(), np.concatenate(samples)), np.concatenate(pillars))
+    spacing, points = _bounded(spacing, thinning.means())
+    return _Gathered(Job(spacing, points, np.concatenate(samples)), np.concatenate(pillars))
+
+
+def _bounded(spacing: float, points: Floats) -> tuple[float, Floats]:
+    """Double the distance of the points until they are no more than a mesh of them can have."""
+    while len(points) > MOST_POINTS:
+        spacing *= 2
+        coarser = Thinning(spacing)
+        coarser.add(points)
+        points = coarser.means()
+    return spacing, points
 
 
 def _parts(found: Flags, replaced: Flags, mesh: Mesh) -> ComplexParts:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -11,9 +12,14 @@ from stepfield.complex_parts.reducing import distances, reduced
 from stepfield.progress import Progress, part
 from stepfield.surface import Mesh
 
+#: How much the window's own processes go before this one.
+COURTESY = 5
+
 
 def main(folder: Path) -> None:
     """Do the job in a folder."""
+    if sys.platform != "win32":
+        os.nice(COURTESY)
     do(Job.load(folder), _say).save(folder)
 
 
