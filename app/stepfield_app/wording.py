@@ -77,7 +77,7 @@ def distance(value: float) -> str:
 
 def share(value: float) -> str:
     """Write a share as per cent, never as a round hundred that it is not: 99.1 %."""
-    digits = 1 if value <= 0.9995 or value == 1 else 2 if value <= 0.99995 else 3
+    digits = 1 if value < 0.9995 or value == 1 else 2 if value < 0.99995 else 3
     return f"{number(100 * min(value, 0.99999 if value < 1 else 1), digits)} %"
 
 

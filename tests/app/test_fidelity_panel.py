@@ -25,7 +25,7 @@ from stepfield_app.scenes.palette import layer_colours
 from stepfield_app.views.map import MapView
 from stepfield_app.views.pictures import MODES, OVERLAYS
 from stepfield_app.views.strip import Strip
-from stepfield_app.wording import reading
+from stepfield_app.wording import area, distance, reading, share
 
 pytestmark = pytest.mark.qt_log_ignore("propagateSizeHints")  # which the platform without a screen lacks
 
@@ -194,3 +194,23 @@ def test_errors_are_drawn_of_the_result_they_are_of(tmp_path: Path) -> None:
 )
 def test_overlays_are_read_in_words(mode: str, value: float, names: tuple[str, ...], said: str) -> None:
     assert reading(mode, value, names) == said
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [(0.0, "0.0 %"), (0.991, "99.1 %"), (0.9996, "99.96 %"), (0.9999999, "99.999 %"), (1.0, "100.0 %")],
+)
+def test_a_share_is_whole_only_where_nothing_is_missing(value: float, said: str) -> None:
+    assert share(value) == said
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [(0.0047, "4.7 mm"), (0.012, "1.2 cm"), (0.301, "30.1 cm"), (1.584, "1.58 m"), (np.inf, "–")],
+)
+def test_small_lengths_have_a_unit_that_suits_them(value: float, said: str) -> None:
+    assert distance(value) == said
+
+
+def test_areas_are_square_metres() -> None:
+    assert (area(0.301), area(896.4)) == ("0.30 m²", "896 m²")

@@ -71,8 +71,11 @@ def measure(points: Scan | Floats, surface: Surface, progress: Progress = silent
 
     with ThreadPoolExecutor(WORKERS) as pool:
         progress(0.0, "comparing with the scan")
-        for done in pool.map(fill, range(0, count, BATCH)):
-            progress(done / count, "comparing with the scan")
+        try:
+            for done in pool.map(fill, range(0, count, BATCH)):
+                progress(done / count, "comparing with the scan")
+        finally:
+            pool.shutdown(cancel_futures=True)  # when stopped, nobody waits for the other batches
     for array in (up, nearest, part):
         array.flags.writeable = False
     return Measured(up, nearest, part)

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from tests.conftest import scan_of
 
+from stepfield.errors import Cancelled
 from stepfield.fidelity import Surface, Way, measure, surface_of
 from stepfield.fidelity.reconstructions import layers_of, meshes_of
 from stepfield.grid import Grid
@@ -139,6 +140,29 @@ def test_threads_and_batches_do_not_show(monkeypatch: pytest.MonkeyPatch) -> Non
     second = measure(points, surface)
     for name in ("up", "nearest", "part"):
         assert np.array_equal(getattr(first, name), getattr(second, name))
+
+
+def test_a_comparison_can_be_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A new result would otherwise wait for the comparison of all points of an older one."""
+    own = np.arange(len(GRID))
+    surface = surface_of(GRID, [(own, np.zeros(len(own)))], "edges", 0.3)
+    begun = []
+    whole = Surface.above
+
+    def counted(self: Surface, *place: Floats) -> Any:
+        begun.append(len(place[0]))
+        return whole(self, *place)
+
+    def stop(share: float, what: str) -> None:
+        if share > 0:
+            raise Cancelled
+
+    monkeypatch.setattr(Surface, "above", counted)
+    monkeypatch.setitem(measure.__globals__, "BATCH", 1)
+    points = np.broadcast_to(np.array([GRID.west, GRID.south, 0.0]), (20_000, 3))
+    with pytest.raises(Cancelled):
+        measure(points, surface, stop)
+    assert len(begun) < len(points)
 
 
 @pytest.mark.parametrize("way", WAYS)
