@@ -105,6 +105,8 @@ def at_rest(
     side = _point_size(subject, subject.count, camera, size, front)
     colours = canvas.shoot(camera, size, subject.span, side)
     depth = canvas.depth(camera, size, subject.span)
+    if triangles and mesh is not subject.scene.meshes[0]:
+        canvas.clear("mesh")  # of use for this picture only, and hundreds of megabytes
     light = _light(depth, camera, size) if points else None
     if light is not None and front is not None and mesh:
         light[~_of_points(depth, front, side, SAME * camera.metres_per_pixel(size))] = 1
