@@ -11,8 +11,10 @@ import pytest
 from pytestqt.qtbot import QtBot
 from tests.app.scenes_made import table, table_result
 
+from stepfield.complex_parts import ComplexParts
 from stepfield.fidelity import compare_result
 from stepfield.progress import silent
+from stepfield.surface import Mesh
 from stepfield_app.document import Document
 from stepfield_app.feeds import fidelity_feed
 from stepfield_app.feeds.fidelity_feed import FidelityFeed
@@ -20,6 +22,7 @@ from stepfield_app.feeds.plots import MapWish, map_picture
 from stepfield_app.panels.fidelity import FidelityPanel
 from stepfield_app.requests import Answer, Request
 from stepfield_app.runner import Runner
+from stepfield_app.scenes.complex_parts import Meshed
 from stepfield_app.scenes.fidelity import FidelityFacts, fidelity_facts
 from stepfield_app.scenes.palette import layer_colours
 from stepfield_app.views.map import MapView
@@ -106,7 +109,6 @@ def test_a_large_scan_is_drawn_first_and_compared_whole_at_rest(
 ) -> None:
     for name, value in (("DRAWN", 100), ("FEW", 200), ("QUIET", 1)):
         monkeypatch.setattr(fidelity_feed, name, value)
-    compared.feed._quiet.setInterval(1)
     compared.open()
     first = compared.seen[0]
     assert first is not None
@@ -135,6 +137,20 @@ def test_while_a_hand_moves_only_a_draw_is_compared(
     assert last is not None
     assert last.comparison.fidelity.is_drawn
     compared.document.end_gesture(gesture)
+
+
+def test_a_mesh_of_complex_parts_is_counted_in_and_out(compared: Compared) -> None:
+    compared.open()
+    assert compared.document.answer is not None
+    compared.document.set_parameters("Complex parts", complex_parts="mesh")
+    compared.rest()
+    result = compared.document.answer.result
+    none = np.zeros(len(result.field), bool)
+    parts = ComplexParts(none, none, Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64)))
+    compared.feed.set_meshed(meshed := Meshed(result, parts))
+    compared.qtbot.waitUntil(lambda: compared.seen[-1] is not None and compared.seen[-1].meshed is meshed)
+    compared.feed.set_meshed(None)
+    compared.qtbot.waitUntil(lambda: compared.seen[-1] is not None and compared.seen[-1].meshed is None)
 
 
 @pytest.mark.parametrize(

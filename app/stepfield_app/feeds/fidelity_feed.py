@@ -21,6 +21,8 @@ DRAWN = 30_000
 FEW = 250_000
 #: Milliseconds of quiet before all points of a larger scan are compared: the views come first.
 QUIET = 700
+#: Milliseconds more for every million points: so much longer is there to be drawn.
+QUIET_A_MILLION = 250
 #: Milliseconds by which the pictures of a result go before its first figures: an edit is to be seen at once.
 COURTESY = 250
 #: Seconds between two comparisons: the views of a moving hand come first.
@@ -123,7 +125,8 @@ class FidelityFeed(QObject):
     def _settle(self) -> None:
         """Compare all points after a moment of quiet, once no newer result is on its way."""
         if not self._document.held and self._is_newest and self._is_drawn:
-            self._quiet.start()
+            more = self._facts.comparison.fidelity.of * QUIET_A_MILLION // 1_000_000 if self._facts else 0
+            self._quiet.start(QUIET + more)
 
     def _compare_all(self) -> None:
         answer = self._document.answer
