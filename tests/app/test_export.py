@@ -16,15 +16,18 @@ from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import QCheckBox, QComboBox
 from pytestqt.qtbot import QtBot
 
+from stepfield.complex_parts import ComplexParts
 from stepfield.parameters import Parameters
 from stepfield.pipeline import Pipeline
 from stepfield.progress import Progress
 from stepfield.scan.write import write
+from stepfield.surface import Mesh
 from stepfield.synth import synthesise
 from stepfield_app import export as exporting
-from stepfield_app.dialogs.export import ExportDialog
+from stepfield_app.dialogs.export import TO_BE_MESHED, ExportDialog
 from stepfield_app.document import Document
 from stepfield_app.runner import Runner
+from stepfield_app.scenes.complex_parts import Meshed
 from stepfield_app.settings import Settings
 from stepfield_app.theme import DARK, LIGHT
 
@@ -103,7 +106,11 @@ def written(dialog: ExportDialog, qtbot: QtBot) -> dict[str, bytes]:
     return files_of(dialog.folder_choice.folder)
 
 
-@pytest.mark.parametrize(("values", "options"), [({}, []), (EXPLICIT, OPTIONS)], ids=["auto", "explicit"])
+@pytest.mark.parametrize(
+    ("values", "options"),
+    [({}, []), (EXPLICIT, OPTIONS), ({"complex_parts": "mesh"}, ["--complex=mesh"])],
+    ids=["auto", "explicit", "complex"],
+)
 def test_same_bytes_as_the_command(
     values: dict[str, Any],
     options: list[str],
@@ -309,3 +316,24 @@ def test_warnings_of_the_manifest_are_shown(document: Document, dialog: ExportDi
 
 def _shape(dialog: ExportDialog) -> tuple[int, ...]:
     return () if dialog.stack_view.shown is None else dialog.stack_view.shown.shape
+
+
+def test_the_images_show_holes_where_a_mesh_will_stand_in(
+    dialog: ExportDialog, document: Document, qtbot: QtBot
+) -> None:
+    """They are said to be as they will be written."""
+    document.set_parameters("Mesh complex parts", complex_parts="mesh")
+    qtbot.waitUntil(lambda: not document.pending and TO_BE_MESHED in dialog.warnings)
+    dialog.stack_view.choose(0)
+    before = dialog.stack_view.shown
+    assert before is not None
+    assert document.answer is not None
+    result = document.answer.result
+    replaced = np.zeros(len(result.field), bool)
+    replaced[result.layers[0].pillars[:5]] = True
+    none = Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64))
+    dialog.show_meshed(Meshed(result, ComplexParts(replaced, replaced, none)))
+    qtbot.waitUntil(lambda: TO_BE_MESHED not in dialog.warnings)
+    after = dialog.stack_view.shown
+    assert after is not None
+    assert np.count_nonzero(before) - np.count_nonzero(after) == 5

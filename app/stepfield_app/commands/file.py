@@ -117,6 +117,8 @@ def _export(window: MainWindow) -> None:
 
     dialog = ExportDialog(window.document, window.settings, window.appearance.theme, window)
     window.appearance.changed.connect(dialog.set_theme)
+    window.complex_feed.shown.connect(dialog.show_meshed)
+    dialog.show_meshed(window.complex_feed.meshed)
     dialog.exec()
     dialog.deleteLater()
 

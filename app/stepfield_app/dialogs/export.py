@@ -9,6 +9,7 @@ from PySide6.QtCore import Qt, QUrl
 from PySide6.QtGui import QDesktopServices
 from PySide6.QtWidgets import QDialog, QHBoxLayout, QLabel, QProgressBar, QPushButton, QVBoxLayout, QWidget
 
+from stepfield.complex_parts import without
 from stepfield.errors import StepfieldError
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.appearance import icon
@@ -19,12 +20,15 @@ from stepfield_app.dialogs.target_choice import TargetChoice
 from stepfield_app.document import Document
 from stepfield_app.export import Export, Exported, StackPreview, export, preview, proposed_folder
 from stepfield_app.newest import NewestWins
+from stepfield_app.scenes.complex_parts import Meshed
 from stepfield_app.settings import Settings
 from stepfield_app.theme import Theme
 from stepfield_app.wording import counted, file_size
 
 #: Warnings shown in full; the manifest has them all.
 _MOST_WARNINGS = 4
+#: While the mesh is not there yet.
+TO_BE_MESHED = "complex parts are not meshed yet: the images will have holes for them that are not shown here"
 
 
 class ExportDialog(QDialog):
@@ -40,6 +44,7 @@ class ExportDialog(QDialog):
         self._document, self._settings = document, settings
         self._written = Path()
         self._wanted = False  # Export was pressed, the exact result is awaited
+        self._meshed: Meshed | None = None
         self._previewer = NewestWins[Reconstruction, StackPreview](preview, "stack preview", self)
         self._writer = NewestWins[Export, Exported](export, "export", self)
         self.setWindowTitle("Export")
@@ -70,6 +75,12 @@ class ExportDialog(QDialog):
         """Write the stack, as soon as the exact result is there."""
         self._wanted = True
         self._go_on()
+
+    def show_meshed(self, meshed: Meshed | None) -> None:
+        """Show the images with holes where a mesh of complex parts will stand in, once it is known."""
+        if meshed is not self._meshed:
+            self._meshed = meshed
+            self._show_answer()
 
     def set_theme(self, theme: Theme) -> None:
         """Draw in the colours of another theme."""
@@ -109,7 +120,9 @@ class ExportDialog(QDialog):
 
     def _show_answer(self) -> None:
         if self._document.answer is not None:
-            self._previewer.ask(self._document.answer.result)
+            result, meshed = self._document.answer.result, self._meshed
+            is_known = meshed is not None and meshed.belongs_to(result)
+            self._previewer.ask(without(result, meshed.parts) if meshed is not None and is_known else result)
         self._go_on()
 
     def _go_on(self) -> None:
@@ -130,7 +143,10 @@ class ExportDialog(QDialog):
 
     def _show_preview(self, result: Reconstruction, stack: StackPreview) -> None:
         self.stack_view.show_preview(stack)
-        self._warn(stack.manifest.warnings, "in the manifest")
+        is_unknown = result.parameters.complex_parts == "mesh" and not (
+            self._meshed is not None and self._meshed.belongs_to(result)
+        )
+        self._warn((*stack.manifest.warnings, *[TO_BE_MESHED] * is_unknown), "in the manifest")
         files = 2 * len(stack.layers) + 1
         if not self._wanted and not self._writer.busy and not self.show_button.isVisibleTo(self):
             self._say(f"{counted(files, 'file')}, {file_size(stack.bytes)}, will be written.")

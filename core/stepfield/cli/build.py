@@ -77,7 +77,7 @@ def _sentences(manifest: Manifest) -> list[str]:
     if (mesh := manifest.complex) is not None:
         lines.append(
             f"{mesh.mesh}: {counted(mesh.triangles, 'triangle')} "
-            f"stand in for {counted(mesh.pillars, 'pillar')}"
+            f"in place of {counted(mesh.pillars, 'pillar')}"
         )
     lines += [
         f"  {layer.image}  {layer.name}: {counted(layer.pillars, 'pillar')}, "

@@ -30,6 +30,7 @@ def check_folder(folder: Path, scan: Sequence[Path], truth: str | None, reporter
         "seams": manifest.seams,
         "links": manifest.links,
         "reconstruction": report.way,
+        "complex": manifest.complex and manifest.complex.model_dump(),
         "areas": [
             {"layer": layer.name} | figures.as_dict()
             for layer, figures in zip(manifest.layers, report.figures, strict=False)
@@ -49,6 +50,9 @@ def _sentences(report: Report) -> Iterator[str]:
             f"the stack is whole: {counted(len(manifest.layers), 'layer')}, "
             f"{counted(report.pillars, 'pillar')}"
         )
+    if (mesh := manifest.complex) is not None:
+        standing = counted(mesh.pillars, "pillar")
+        yield f"{mesh.mesh}: {counted(mesh.triangles, 'triangle')} in place of {standing}"
     yield f"{counted(manifest.seams, 'seam')} in {counted(manifest.links, 'link')}"
     for layer, figures in zip(manifest.layers, report.figures, strict=False):
         yield f"  {layer.image}  {layer.name}: {_covered(figures)}"
