@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stepfield.clearance import clearance
 from stepfield.fidelity import Comparison, LayerFigures, compare_result, layer_figures, layers_of, near_gaps
-from stepfield.progress import Progress, part
+from stepfield.progress import Progress
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.scenes.arrays import frozen
 from stepfield_app.scenes.complex_parts import Meshed
@@ -76,21 +77,23 @@ def fidelity_facts(
         Complex parts of the result, whose mesh stands in for some of its pillars.
     """
     field, chosen = result.field, result.parameters
-    if meshed is None:
-        comparison = compare_result(result, most=most, progress=part(progress, 0, 0.9))
-    else:
-        comparison = _with_mesh(result, meshed, most, part(progress, 0, 0.9))
-    room = clearance(field, result.layering.layer)
-    figures = layer_figures(field.compartments.grid, layers_of(result), float(chosen.link_step))
-    progress(0.95, "counting seams and gaps")
+    step, tolerance = float(chosen.link_step), float(chosen.layer_tolerance)
+    with ThreadPoolExecutor(1) as beside:  # what needs no points, while these are compared
+        figures = beside.submit(layer_figures, field.compartments.grid, layers_of(result), step)
+        links = beside.submit(lambda: (len(result.seams), len(result.links)))
+        gaps = beside.submit(near_gaps, field.compartments, tolerance)
+        room = beside.submit(clearance, field, result.layering.layer)
+        if meshed is None:
+            comparison = compare_result(result, most=most, progress=progress)
+        else:
+            comparison = _with_mesh(result, meshed, most, progress)
     return FidelityFacts(
-        result=result,
-        comparison=comparison,
-        figures=figures,
-        seams=len(result.seams),
-        links=len(result.links),
-        gaps=len(near_gaps(field.compartments, float(chosen.layer_tolerance)).gap),
-        least_room=float(np.nanmin(room, initial=np.inf)),
+        result,
+        comparison,
+        figures.result(),
+        *links.result(),
+        gaps=len(gaps.result().gap),
+        least_room=float(np.nanmin(room.result(), initial=np.inf)),
         meshed=meshed,
     )
 
