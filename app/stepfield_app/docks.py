@@ -22,7 +22,7 @@ WIDE = 1400
 #: Map and profile share a place where there are fewer pixels for both.
 SIDE_BY_SIDE = 600
 #: Height of the figures of fidelity with their strip: all of them can be seen.
-FIDELITY_HEIGHT = 216
+FIDELITY_HEIGHT = 230
 #: Height of the panels below it at least.
 LEAST_HISTORY = 120
 #: Side of the icon of the button that hides a panel.
