@@ -116,13 +116,14 @@ def test_the_mesh_is_drawn_in_place_of_its_pillars(bench: Meshing) -> None:
     assert not is_complex(bench.drawn(PILLARS))  # which show what the method made
     legend = bench.trio.canvases[RECONSTRUCTION]._legend
     assert legend is not None
-    assert legend.entries[0] == (rgb(COMPLEX_COLOUR), "Complex parts")
+    assert legend.entries[0] == (rgb(COMPLEX_COLOUR), "Complex: 3 pillars")
 
 
 def test_it_says_what_it_meshed_and_marks_it(bench: Meshing) -> None:
     assert bench.told == ["1 triangle in place of 3 complex pillars"]
     assert bench.marks.cells is not None
     assert len(bench.marks.cells.kind) == 3
+    assert "lime: meshed" in bench.map.plot._legend.note
 
 
 def test_off_draws_none(bench: Meshing) -> None:

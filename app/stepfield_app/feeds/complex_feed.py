@@ -121,7 +121,9 @@ class ComplexFeed(QObject):
 
     def _mark(self) -> None:
         meshed, layer = self.meshed, self._map.layer
-        self._marks.set_cells(complex_cells(meshed, layer) if meshed is not None and layer >= 0 else None)
+        cells = complex_cells(meshed, layer) if meshed is not None and layer >= 0 else None
+        self._marks.set_cells(cells)
+        self._map.set_note("lime: meshed" if cells is not None and len(cells.kind) else "")
 
 
 def _meshed(result: Reconstruction, progress: Progress) -> Meshed:

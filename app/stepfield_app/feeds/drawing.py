@@ -25,6 +25,7 @@ from stepfield_app.scenes.legend import Legend
 from stepfield_app.scenes.thinned import stride_for
 from stepfield_app.spare import give_back
 from stepfield_app.theme import COMPLEX_COLOUR, Theme, ramp, rgb
+from stepfield_app.wording import counted
 
 Array = NDArray[Any]
 Floats = NDArray[np.float64]
@@ -301,5 +302,5 @@ def _layers(wish: Wish, view: str) -> Legend:
         red, green, blue = (int(part) for part in colours[index])
         entries.append(((red, green, blue), names[index]))
     if wish.meshed is not None and view == RECONSTRUCTION:
-        entries.insert(0, (rgb(COMPLEX_COLOUR), "Complex parts"))
+        entries.insert(0, (rgb(COMPLEX_COLOUR), f"Complex: {counted(wish.meshed.parts.count, 'pillar')}"))
     return Legend("Layer", entries=tuple(entries))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QComboBox, QVBoxLayout, QWidget
 
@@ -44,6 +46,7 @@ class MapView(QWidget):
         super().__init__(parent)
         self._layer = 0
         self._picture: MapPicture | None = None
+        self._note = ""
         self._is_new = True
         self.plot = MapPlot(self)
         self.plot.setAccessibleName("Map of the active layer")
@@ -125,11 +128,22 @@ class MapView(QWidget):
         self._picture = picture
         self.strip.set_subject(picture.name, picture.colour)
         self.plot.set_empty_text("")
-        self.plot.set_legend(picture.legend or Legend(""))
+        self._tell_legend()
         self._take_cell_size(picture.cell_size)
         self.plot.show_picture(picture)
         self._enable(True)
         self.picture_changed.emit()
+
+    def set_note(self, note: str) -> None:
+        """Say in the legend what marks over the picture mean; nothing where there are none."""
+        if note != self._note:
+            self._note = note
+            self._tell_legend()
+
+    def _tell_legend(self) -> None:
+        legend = (self._picture and self._picture.legend) or Legend("")
+        notes = ", ".join(filter(None, [legend.note, self._note]))
+        self.plot.set_legend(replace(legend, note=notes))
 
     def clear(self) -> None:
         """Forget the scan: the next picture is of another one and will be fitted."""
