@@ -59,7 +59,7 @@ class FidelityFeed(QObject):
         self._courtesy.timeout.connect(self._begin)
         document.answer_changed.connect(self._follow)
         document.held_changed.connect(lambda _: self._settle())
-        document.pending_changed.connect(lambda _: self._mark())
+        document.pending_changed.connect(self._give_way)
 
     @property
     def is_idle(self) -> bool:
@@ -113,6 +113,17 @@ class FidelityFeed(QObject):
         assert answer is not None
         is_small = len(answer.result.scan) <= FEW and not self._document.held
         self._ask(answer.result, None if is_small else DRAWN)
+
+    def _give_way(self, is_pending: bool) -> None:
+        """Stop a long comparison as soon as another result is wanted; go on if none comes."""
+        running = self._worker.running
+        if is_pending and running is not None and running.most is None:
+            self._worker.cancel()
+        elif not is_pending and self._document.answer is not None and self.is_idle and not self._is_newest:
+            self._follow(self._document.answer)  # what was stopped begins again
+        elif not is_pending:
+            self._settle()
+        self._mark()
 
     def _take(self, facts: FidelityFacts) -> None:
         """Show figures; while a hand moves also those of a result that is no longer the newest."""
