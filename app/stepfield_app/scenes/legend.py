@@ -24,7 +24,7 @@ class Legend:
     low, high : float
         What the ends of the ramp stand for; values beyond take the colour of the end.
     note : str
-        What else the colours of a ramp say.
+        What else the colours of a ramp say; each after a comma goes on a line of its own.
     """
 
     title: str

@@ -60,11 +60,13 @@ class Overlay:
         left = self.area.right() - MARGIN - RAMP_WIDTH
         top = self.area.top() + MARGIN + LINE_HEIGHT
         high = min(RAMP_HEIGHT, RAMP_SHARE * self.area.height())
-        noted = LINE_HEIGHT if legend.note else 0
-        wide = max(wide, self._metrics.horizontalAdvance(legend.note) - RAMP_WIDTH)
+        notes = legend.note.split(", ") if legend.note else []
+        noted = LINE_HEIGHT * len(notes)
+        wide = max([wide, *(self._metrics.horizontalAdvance(note) - RAMP_WIDTH for note in notes)])
         self._plate(QRectF(left - wide - 8, top - LINE_HEIGHT - 6, wide + RAMP_WIDTH + 16, high + 32 + noted))
-        if noted:
-            self._text(QRectF(0, top + high + 12, left + RAMP_WIDTH, noted), legend.note, self.theme.muted)
+        for row, note in enumerate(notes):
+            line = QRectF(0, top + high + 12 + LINE_HEIGHT * row, left + RAMP_WIDTH, LINE_HEIGHT)
+            self._text(line, note, self.theme.muted)
         self._text(QRectF(0, top - LINE_HEIGHT - 4, left + RAMP_WIDTH, LINE_HEIGHT), title, self.theme.muted)
         assert legend.ramp is not None
         colours = np.ascontiguousarray(legend.ramp[::-1, np.newaxis])
