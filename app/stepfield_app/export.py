@@ -62,6 +62,11 @@ class StackPreview:
     manifest_bytes: int
 
     @property
+    def files(self) -> int:
+        """How many files it has: an image and a mask or two a layer, and the manifest."""
+        return 1 + sum(2 + (layer.filled is not None) for layer in self.layers)
+
+    @property
     def bytes(self) -> int:
         """Size of all its files."""
         return self.manifest_bytes + sum(layer.gray_bytes + layer.mask_bytes for layer in self.layers)

@@ -176,7 +176,7 @@ def test_preview_shows_what_is_filled_in_a_mask_of_its_own(scan: Path, tmp_path:
     shown = exporting.preview(result)
     made = exporting.export(exporting.Export(result, tmp_path / "stack"))
     assert (shown.manifest, shown.bytes) == (made.manifest, made.bytes)
-    assert made.files == 3 * len(shown.layers) + 1
+    assert made.files == shown.files == 3 * len(shown.layers) + 1
     for layer in shown.layers:
         filled = np.asarray(Image.open(made.folder / str(layer.entry.filled_mask)))
         assert layer.filled is not None

@@ -147,7 +147,7 @@ class ExportDialog(QDialog):
             self._meshed is not None and self._meshed.belongs_to(result)
         )
         self._warn((*stack.manifest.warnings, *[TO_BE_MESHED] * is_unknown), "in the manifest")
-        files = 2 * len(stack.layers) + 1
+        files = stack.files
         if not self._wanted and not self._writer.busy and not self.show_button.isVisibleTo(self):
             self._say(f"{counted(files, 'file')}, {file_size(stack.bytes)}, will be written.")
 

@@ -48,7 +48,7 @@ class StackView(QWidget):
         self._picture = _Picture(theme, self)
         self._mask = QCheckBox("Show the &mask")
         self._mask.setToolTip("Show the mask in place of the image: white where the height is known")
-        self._filled = QCheckBox("Show what was &filled")
+        self._filled = QCheckBox("Show filled &holes")
         self._filled.setToolTip("Show the mask of the holes that were filled: white where nobody measured")
         self._filled.hide()
         self._size = QLabel("The images will be listed here once the result is there.")
