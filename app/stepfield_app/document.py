@@ -52,6 +52,7 @@ class Document(QObject):
     opening_changed = Signal(bool)
     active_layer_changed = Signal(int)
     held_changed = Signal(bool)  # whether a gesture goes on
+    edit_wished = Signal()  # it is being worked out and will come in a moment
 
     def __init__(self, runner: Runner | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)

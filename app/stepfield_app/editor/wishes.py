@@ -100,6 +100,7 @@ class Wishes(QObject):
         if self._document.pending and not self._document.busy:
             self.refused.emit(NO_RESULT)
             return
+        self._document.edit_wished.emit()
         self._turns.append(_Turn(wish, answer.result))
         self._go_on()
 

@@ -60,6 +60,7 @@ class FidelityFeed(QObject):
         document.answer_changed.connect(self._follow)
         document.held_changed.connect(lambda _: self._settle())
         document.pending_changed.connect(self._give_way)
+        document.edit_wished.connect(self._make_room)
 
     @property
     def is_idle(self) -> bool:
@@ -124,6 +125,13 @@ class FidelityFeed(QObject):
         elif not is_pending:
             self._settle()
         self._mark()
+
+    def _make_room(self) -> None:
+        """Put a long comparison off while an edit is worked out, even if nothing comes of it."""
+        running = self._worker.running
+        if running is not None and running.most is None and self._is_newest:
+            self._worker.cancel()
+            self._settle()
 
     def _take(self, facts: FidelityFacts) -> None:
         """Show figures; while a hand moves also those of a result that is no longer the newest."""
