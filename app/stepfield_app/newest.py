@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from threading import Event, Thread
 from typing import Any, Generic, TypeVar
 
@@ -17,12 +17,15 @@ from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from stepfield.errors import Cancelled, StepfieldError
 from stepfield.progress import Progress
+from stepfield_app.spare import give_back
 
 Asked = TypeVar("Asked")
 Answered = TypeVar("Answered")
 
 #: Seconds between two reports of progress.
 REPORT_EVERY = 0.1
+#: Seconds without work after which freed memory goes back to the system.
+QUIET = 1.0
 
 
 @dataclass(eq=False)
@@ -179,7 +182,7 @@ class NewestWins(QObject, Generic[Asked, Answered]):
 
     def _work(self) -> None:
         """Do one job after the other; the body of the thread."""
-        while (job := self._jobs.get()) is not None:
+        while (job := self._next()) is not None:
             if not isinstance(job, _Job):
                 job()
                 continue
@@ -187,6 +190,14 @@ class NewestWins(QObject, Generic[Asked, Answered]):
             job = None  # an idle worker must not keep a large answer alive
             self._reported.emit(report)
             del report
+
+    def _next(self) -> _Job | Callable[[], None] | None:
+        """Wait for something to do; what the last job needed on the way is a third of all memory."""
+        try:
+            return self._jobs.get(timeout=QUIET)
+        except Empty:
+            give_back()
+            return self._jobs.get()
 
     def _done(self, job: _Job, report: Callable[[_Report], None]) -> _Report:
         """Do a job; whatever goes wrong becomes part of the report, so that nothing is lost."""

@@ -23,7 +23,6 @@ from stepfield_app.scenes.complex_parts import Meshed, complex_mesh
 from stepfield_app.scenes.ground import crosses, ground
 from stepfield_app.scenes.legend import Legend
 from stepfield_app.scenes.thinned import stride_for
-from stepfield_app.spare import give_back
 from stepfield_app.theme import COMPLEX_COLOUR, Theme, ramp, rgb
 from stepfield_app.wording import counted
 
@@ -149,10 +148,7 @@ class Drawing:
         for done, name in enumerate(wish.views):
             progress(done / len(wish.views), f"drawing {name}")
             pictures[name] = draw[name](wish)
-        drawn = Drawn(pictures, shown, time.perf_counter() - start)
-        if not wish.quick:  # what the result and its scenes needed on the way is a third of all memory
-            give_back()
-        return drawn
+        return Drawn(pictures, shown, time.perf_counter() - start)
 
     def _shown(self, wish: Wish) -> Cloud:
         """Return the cloud of an exact answer, or the one before while there is but a preview."""
