@@ -50,7 +50,7 @@ class Parameters(Frozen):
     alpha: Length | Auto = Field("auto", description="distance of the base plane below the scan (Eq. 1)")
     layer_tolerance: Length | Auto = Field("auto", description="vertical gap that parts two pillars (5.3.2)")
     layering: Literal["rank", "elevation", "surface"] = Field(
-        "elevation", description="how pillars get layers (5.3.3)"
+        "surface", description="how pillars get layers (5.3.3)"
     )
     pillar_height: Literal["mean", "max", "median", "p90"] = Field("mean", description="height of a pillar")
     walls: Literal["mean", "top", "layer"] = Field(

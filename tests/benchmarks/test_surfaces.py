@@ -1,0 +1,100 @@
+"""Ways of layering and of reconstructing side by side, on the paper's figures and on real scans.
+
+The table is that of SURFACES.md: ``python -m pytest tests/benchmarks/test_surfaces.py -s`` prints it anew.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Literal
+
+import pytest
+
+from stepfield.fidelity import compare_result, layer_figures, layers_of
+from stepfield.layers import Method, classify
+from stepfield.links import link
+from stepfield.parameters import Parameters
+from stepfield.pipeline import Pipeline
+from stepfield.reconstruction import Reconstruction
+from stepfield.scan.write import write
+from stepfield.synth import synthesise
+
+#: The paper's figures 3 to 6 and the others that have a known answer.
+SCENES = ("three-planes", "inclined-plane", "crossing-plane", "cylinder", "table", "bridge", "stairs", "ramp")
+REAL = (
+    "data__room_scan1.pcd",
+    "3dfier__ahn3_cropped_2.laz",
+    "pye57__pumpAVisualReferenceImage.e57",
+    "ign-pdal-tools__test_data_77050_627755_LA93_IGN69.laz",
+    "ign-pdal-tools__test_data_77060_627755_LA93_IGN69.laz",
+    "ign-pdal-tools__sample_lareunion_epsg2975.laz",
+    "ign-pdal-tools__test_semis_2023_0292_6833_LA93_IGN69.laz",
+    "CSF__sample.ply",
+)
+METHODS: tuple[Method, ...] = ("rank", "elevation", "surface")
+Way = Literal["simulator", "edges"]
+HEAD = (
+    "| scan | layering | layers | seams | links | way | RMSE, cm | 95 % within, cm | area lost | "
+    "surfaces lost | s |\n"
+    "|---|---|---|---|---|---|---|---|---|---|---|"
+)
+
+
+@pytest.fixture(scope="module")
+def lines() -> Iterator[list[str]]:
+    """Collect the rows and print them at the end."""
+    collected: list[str] = []
+    yield collected
+    print("\n".join(["", HEAD, *collected]))  # noqa: T201 - printing is what a benchmark is for
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scene(name: str, lines: list[str], tmp_path: Path) -> None:
+    made = synthesise(name, noise=0.003, seed=7)
+    path = tmp_path / f"{name}.npy"
+    write(path, made.points, {})
+    lines += rows(name, path, Parameters(cell_size=0.1, layer_tolerance=0.3))
+
+
+def test_rubble(lines: list[str], tmp_path: Path) -> None:
+    made = synthesise("rubble", scanner=True)
+    path = tmp_path / "rubble.npy"
+    write(path, made.points, {})
+    lines += rows("rubble, scanned", path, Parameters())
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real(name: str, lines: list[str], real_scan: Callable[[str], Path]) -> None:
+    lines += rows(name.rpartition("__")[2], real_scan(name), Parameters())
+
+
+def rows(name: str, path: Path, parameters: Parameters) -> Iterator[str]:
+    """Compare the methods on one scan, each reconstructed both ways."""
+    pipeline = Pipeline()
+    for method in METHODS:
+        result = pipeline.run([path], parameters.model_copy(update={"layering": method}))
+        took = classified_in(result, method)
+        head = f"{name} | {method} | {len(result.layers)} | {len(result.seams)} | {len(result.links)}"
+        for way in ("simulator", "edges"):
+            yield f"| {head} | {way} | {figures(result, way)} | {took:.3f} |"
+
+
+def classified_in(result: Reconstruction, method: Method) -> float:
+    """Seconds that classification takes, links included where it needs them."""
+    field, step = result.field, float(result.parameters.link_step)
+    start = time.perf_counter()
+    classify(field, method, linked=lambda chosen: link(field, chosen, step))
+    return time.perf_counter() - start
+
+
+def figures(result: Reconstruction, way: Way) -> str:
+    """Fidelity of one way of reconstructing, and what it loses."""
+    distances = compare_result(result, way).fidelity.nearest
+    grid, step = result.field.compartments.grid, float(result.parameters.link_step)
+    layers = layer_figures(grid, layers_of(result), step)
+    occupied = sum(layer.occupied_area for layer in layers)
+    lost = 1 - sum(layer.area(way) for layer in layers) / occupied
+    vanished = sum(layer.vanished for layer in layers) if way == "simulator" else 0
+    return f"{100 * distances.rmse:.1f} | {100 * distances.p95:.1f} | {lost:.1%} | {vanished}"
