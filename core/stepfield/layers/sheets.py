@@ -1,11 +1,14 @@
-"""Sheets: what the firm surfaces are when nothing small is in their way, to be kept whole.
+"""Sheets: firm surfaces, kept whole and in the layer that their elevation speaks for.
 
-The fewest seams alone would part a floor in two at a narrow place, and call one half a higher layer, for
-the sake of a handful of stray points beneath it. So the layers are found a second time: a seam is then worth
-no more than a certain number of pillars in another layer than most of their sheet.
+The fewest seams alone would part level ground at a narrow place, and lift one half of it together with a slab
+that a heap leads up to, or for the sake of a handful of stray points beneath. So the paper's classification
+(5.3.3) is asked too, not for every pillar but for every sheet: the layer that most of its pillars would have
+by elevation. A seam is then worth no more than a certain number of pillars in another layer than that.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +21,25 @@ Mask = NDArray[np.bool_]
 
 #: Connected pieces of fewer pillars are fragments; what is larger is firm.
 FRAGMENT = 64
-#: Pillars that may part from their sheet to spare a seam.
-PILLARS_A_SEAM = 16
+#: Pillars that may leave the layer of their sheet to spare a seam.
+PILLARS_A_SEAM = 64
 
 
-def whole(ties: Ties, layer: Integers, layers: int, size: Integers) -> tuple[Integers, Wishes]:
-    """Settle nodes once more, drawn to the layer that most of their sheet is in.
+@dataclass(frozen=True, eq=False)
+class Votes:
+    """What some pillars say of the layers of their nodes.
+
+    Attributes
+    ----------
+    node, layer : ndarray of shape (V,), int64
+    """
+
+    node: Integers
+    layer: Integers
+
+
+def whole(ties: Ties, layer: Integers, layers: int, size: Integers, votes: Votes) -> tuple[Integers, Wishes]:
+    """Settle nodes once more, drawn to the layer that most of their sheet votes for.
 
     Parameters
     ----------
@@ -33,6 +49,7 @@ def whole(ties: Ties, layer: Integers, layers: int, size: Integers) -> tuple[Int
     layers : int
     size : ndarray of shape (N,), int64
         Pillars of each node.
+    votes : Votes
 
     Returns
     -------
@@ -44,8 +61,10 @@ def whole(ties: Ties, layer: Integers, layers: int, size: Integers) -> tuple[Int
     firm = np.bincount(piece, size)[piece] >= FRAGMENT
     sheet = _sheets(_among(ties, firm), len(layer), layers)
     places = (int(sheet.max()) + 1) * layers
-    votes = np.bincount(sheet * layers + layer, size, minlength=places).reshape(-1, layers)
-    wishes = Wishes(np.argmax(votes, axis=1)[sheet], np.where(firm, size, 0))
+    cast = np.bincount(sheet[votes.node] * layers + votes.layer, minlength=places).reshape(-1, layers)
+    voted: Mask = cast.sum(axis=1) > 0
+    firm &= voted[sheet]
+    wishes = Wishes(np.argmax(cast, axis=1)[sheet], np.where(firm, size, 0))
     dear = Ties(ties.one, ties.other, ties.weight * PILLARS_A_SEAM, ties.below, ties.above)
     return settled(dear, layer, layers, wishes=wishes), wishes
 

@@ -18,12 +18,16 @@ from numpy.typing import NDArray
 from stepfield.grid import Grid
 from stepfield.layers.bands import refined
 from stepfield.layers.cuts import UP, Wishes, lowest, settled
+from stepfield.layers.elevation import by_elevation
 from stepfield.layers.loose import gathered
 from stepfield.layers.patches import Surroundings, between, components, patches
-from stepfield.layers.sheets import PILLARS_A_SEAM, whole
+from stepfield.layers.sheets import PILLARS_A_SEAM, Votes, whole
 from stepfield.layers.towers import Towers
 
 Integers = NDArray[np.int64]
+
+#: Pillars that are asked for their layer by elevation, about.
+VOTERS = 100_000
 
 
 def by_surface(grid: Grid, towers: Towers, links: Integers, layers: int) -> Integers:
@@ -43,11 +47,17 @@ def by_surface(grid: Grid, towers: Towers, links: Integers, layers: int) -> Inte
     patch = patches(around, layers)
     ties, size = between(around, patch), np.bincount(patch)
     fewest = settled(ties, lowest(len(size), ties.below, ties.above, layers), layers, (UP,))
-    layer, wishes = whole(ties, fewest, layers, size)
+    layer, wishes = whole(ties, fewest, layers, size, _by_elevation(towers, layers, patch))
     of_pillars = Wishes(wishes.layer[patch], (wishes.weight > 0)[patch].astype(np.int64))
     layer = refined(around, layer[patch], layers, PILLARS_A_SEAM, of_pillars)
     piece = components(len(size), ties.one, ties.other)[patch]
     return gathered(around, towers.elevation, layer, layers, piece)
+
+
+def _by_elevation(towers: Towers, layers: int, patch: Integers) -> Votes:
+    """Ask the paper's classification, for as many pillars as tell what most are for."""
+    few, where = towers.every(max(1, len(patch) // VOTERS))
+    return Votes(patch[where], by_elevation(few, layers).layer)
 
 
 def _surroundings(grid: Grid, towers: Towers, links: Integers) -> Surroundings:

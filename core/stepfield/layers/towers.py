@@ -36,6 +36,15 @@ class Towers:
         sizes = np.diff(np.append(bottom, len(chosen)))
         return cls(len(field), chosen, compartment, field.elevation[chosen], bottom, sizes)
 
+    def every(self, nth: int) -> tuple[Towers, Integers]:
+        """Take the pillars of every so manieth compartment, and tell which they are."""
+        where = np.flatnonzero(np.repeat(np.arange(len(self.size)) % nth == 0, self.size))
+        size = self.size[::nth]
+        bottom = np.cumsum(size) - size
+        chosen = np.arange(len(where))
+        few = Towers(len(where), chosen, self.compartment[where], self.elevation[where], bottom, size)
+        return few, where
+
     def ranks(self) -> Integers:
         """Place within the compartment among those that take part, shape (M,).
 
