@@ -24,7 +24,7 @@ STAGES = [
     *("read_scan", "cleaned", "sort_into_compartments", "build_pillars"),
     *("classify", "Replay", "Links"),
 ]
-BASE = Parameters(cell_size=0.2, layer_tolerance=0.3, alpha=0.1)
+BASE = Parameters(layering="elevation", cell_size=0.2, layer_tolerance=0.3, alpha=0.1)
 
 
 @pytest.fixture
@@ -84,6 +84,14 @@ def test_only_what_depends_on_a_change_runs_again(
     fresh = Pipeline().run([table], BASE.model_copy(update=change))
     for ours, theirs in zip(again.height_maps(), fresh.height_maps(), strict=True):
         assert np.array_equal(ours.gray, theirs.gray)
+
+
+def test_by_surface_links_come_first_and_are_not_found_again(table: Path, ran: list[str]) -> None:
+    pipeline, parameters = Pipeline(), BASE.model_copy(update={"layering": "surface"})
+    pipeline.run([table], parameters)
+    ran.clear()
+    pipeline.run([table], parameters.model_copy(update={"link_step": 0.1}))
+    assert ran == ["classify", "Links", "Replay"]
 
 
 def moved(result: Reconstruction, to: Any) -> Move:

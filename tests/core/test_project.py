@@ -15,7 +15,7 @@ from stepfield.project import ExistingLayer, LayerStyle, Move, NewLayer, Project
 SAMPLES = Path(__file__).parent / "samples"
 PROJECT = Project(
     scans=(ScanFile(path="scan.ply", sha256="ab"),),
-    parameters=Parameters(cell_size=0.1, crop=(0, 0, 0, 1, 1, 1), classes=(6, 2)),
+    parameters=Parameters(cell_size=0.1, layering="elevation", crop=(0, 0, 0, 1, 1, 1), classes=(6, 2)),
     layers=(LayerStyle(index=1, name='Tisch "β"', locked=True),),
     moves=(
         Move(

@@ -23,9 +23,7 @@ OPTIONS: dict[str, Any] = {
     "layer_tolerance": _option(
         "--tolerance", "M|auto", "Vertical gap that parts two pillars. (default: auto)"
     ),
-    "layering": _option(
-        "--layering", "rank|elevation|surface", "How pillars get layers. (default: elevation)"
-    ),
+    "layering": _option("--layering", "rank|elevation|surface", "How pillars get layers. (default: surface)"),
     "pillar_height": _option("--pillar-height", "mean|max|median|p90", "Height of a pillar. (default: mean)"),
     "walls": _option(
         "--walls",
