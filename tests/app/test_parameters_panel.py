@@ -182,10 +182,10 @@ def test_choices_and_counts_are_steps(panel: ParametersPanel, document: Document
     layering = panel.choices["layering"].box
     layering.setFocus()
     QTest.keyClick(layering, Qt.Key.Key_Down)
-    assert document.project.parameters.layering == "surface"
+    assert document.project.parameters.layering == "elevation"
     panel.min_points.box.stepUp()
     assert document.project.parameters.min_points == 2
-    assert steps(document) == ["Layering by surface", "Least points 2"]
+    assert steps(document) == ["Layering by elevation", "Least points 2"]
     document.set_parameters("Layers", max_layers=40)
     assert panel.choices["max_layers"].box.currentText() == "40", "a value that was not offered is shown"
 

@@ -31,7 +31,7 @@ TOLERANCE = Described(
 LAYERING = Described(
     "layering",
     "Layering",
-    "How pillars get layers (5.3.3): by average elevation, so that a continuous surface stays in one layer, "
+    "How pillars get layers (5.3.3): so that a continuous surface stays in one layer, by average elevation, "
     "or in order from the lowest of each compartment",
     "y",
 )
@@ -87,7 +87,7 @@ CLEARANCE = Described(
 )
 
 OPTIONS: dict[str, tuple[tuple[str, Any], ...]] = {
-    "layering": (("by elevation", "elevation"), ("by surface", "surface"), ("by rank", "rank")),
+    "layering": (("by surface", "surface"), ("by elevation", "elevation"), ("by rank", "rank")),
     "pillar_height": (
         ("mean", "mean"),
         ("highest point", "max"),
