@@ -16,7 +16,8 @@ from stepfield.heightmap import HeightMap
 from stepfield.progress import Progress, silent
 from stepfield.reconstruction import Reconstruction
 from stepfield.stack import Manifest
-from stepfield.stack.manifest import LayerEntry, describe, is_filled
+from stepfield.stack.entries import LayerEntry
+from stepfield.stack.manifest import describe, is_filled
 from stepfield.stack.write import COMPRESSION, is_stack
 from stepfield.targets.writing import write_stack_and_targets
 

@@ -14,7 +14,8 @@ from stepfield.progress import Progress, part, silent
 from stepfield.stack.clearances import clearance_faults
 from stepfield.stack.compare import Compared
 from stepfield.stack.complexfile import FILE_NAME as COMPLEX
-from stepfield.stack.manifest import LayerEntry, Manifest
+from stepfield.stack.entries import LayerEntry
+from stepfield.stack.manifest import Manifest
 from stepfield.stack.read import Stack
 
 

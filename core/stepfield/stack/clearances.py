@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from stepfield.stack.manifest import ClearanceEntry, LayerEntry
+from stepfield.stack.entries import ClearanceEntry, LayerEntry
 from stepfield.stack.read import Stack
 
 Floats = NDArray[np.float64]

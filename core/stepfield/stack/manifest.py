@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field
 
 import stepfield
 from stepfield.clearance import ClearanceMap
@@ -16,113 +15,23 @@ from stepfield.complex_parts import ComplexParts
 from stepfield.document import Document
 from stepfield.errors import StackError, StepfieldError
 from stepfield.layers import UNASSIGNED
-from stepfield.parameters import Frozen, Parameters, Unit, Up
+from stepfield.parameters import Parameters
 from stepfield.reconstruction import Layer, Reconstruction
 from stepfield.stack.complexfile import FILE_NAME as COMPLEX
+from stepfield.stack.entries import (
+    ClearanceEntry,
+    ComplexEntry,
+    GridEntry,
+    ImageEntry,
+    LayerEntry,
+    Metres,
+    Natural,
+    Source,
+    SourceEntry,
+)
 
 VERSION: Literal[1] = 1
 FILE_NAME = "manifest.json"
-
-
-def _plain(name: str) -> str:
-    """Keep a manifest from pointing outside its own folder."""
-    if name != Path(name).name or name in {"", ".", ".."} or "\\" in name:
-        raise ValueError("a file name without folders is needed")
-    return name
-
-
-FileName = Annotated[str, AfterValidator(_plain)]
-Natural = Annotated[int, Field(ge=0)]
-Positive = Annotated[int, Field(ge=1)]
-Metres = Annotated[float, Field(allow_inf_nan=False)]
-
-
-class SourceEntry(Frozen):
-    """A file of the scan."""
-
-    name: str
-    sha256: str
-    points: Natural
-
-
-class Source(Frozen):
-    """Where the points came from."""
-
-    files: tuple[SourceEntry, ...]
-    crs: str | None
-    unit: Unit
-    unit_factor: Metres
-    up: Up
-
-
-class GridEntry(Frozen):
-    """The grid of compartments; ``origin`` is its west and south edge."""
-
-    origin: tuple[Metres, Metres]
-    cell_size: Annotated[float, Field(gt=0, allow_inf_nan=False)]
-    columns: Positive
-    rows: Positive
-
-
-class ImageEntry(Frozen):
-    """The images' size; ``offset`` is the column and row of the grid's north-west compartment."""
-
-    width: Positive
-    height: Positive
-    bits: Literal[8, 16]
-    offset: tuple[Natural, Natural]
-
-
-class ClearanceEntry(Frozen):
-    """The room above a layer: clearance = offset + scale * gray, and less than a level more.
-
-    Gray 0 is where nothing is above, and in holes. ``pillars`` have something above, ``least`` and
-    ``greatest`` metres higher.
-    """
-
-    image: FileName
-    scale: Annotated[float, Field(gt=0, allow_inf_nan=False)]
-    offset: Metres = 0.0
-    pillars: Natural
-    least: Metres | None
-    greatest: Metres | None
-
-
-class LayerEntry(Frozen):
-    """One layer: elevation = offset + scale * gray, within half a level.
-
-    ``mask`` is where pillars are; ``filled_mask``, where holes were filled: there the image has a height
-    that nobody measured, in ``filled`` pixels. ``pillars`` and heights are of what was measured.
-    Obstacles are solid: ``bottom`` is an image of their lower ends, of the same scale, offset and mask.
-    """
-
-    index: Natural
-    name: str
-    image: FileName
-    mask: FileName
-    pillars: Natural
-    height_min: Metres | None
-    height_max: Metres | None
-    height_mean: Metres | None
-    scale: Annotated[float, Field(gt=0, allow_inf_nan=False)]
-    offset: Metres
-    kind: Literal["surface", "obstacles"] = "surface"
-    bottom: FileName | None = None
-    clearance: ClearanceEntry | None = None
-    filled_mask: FileName | None = None
-    filled: Natural = 0
-
-
-class ComplexEntry(Frozen):
-    """The mesh of what height-maps cannot hold; they have holes where it stands in for ``pillars``.
-
-    A binary PLY in scan coordinates, metres, float64.
-    """
-
-    mesh: FileName
-    vertices: Natural
-    triangles: Natural
-    pillars: Natural
 
 
 class Manifest(Document):

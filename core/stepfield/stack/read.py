@@ -12,7 +12,8 @@ from PIL import Image, UnidentifiedImageError
 from stepfield.errors import StackError
 from stepfield.grid import Grid
 from stepfield.stack.complexfile import load_complex
-from stepfield.stack.manifest import LayerEntry, Manifest
+from stepfield.stack.entries import LayerEntry
+from stepfield.stack.manifest import Manifest
 from stepfield.surface import Mesh
 
 

@@ -16,10 +16,10 @@ from stepfield.progress import Progress, part, silent
 from stepfield.reconstruction import Layer, Reconstruction
 from stepfield.stack.complexfile import FILE_NAME as COMPLEX
 from stepfield.stack.complexfile import save_complex
+from stepfield.stack.entries import ClearanceEntry
 from stepfield.stack.folder import new_folder
 from stepfield.stack.manifest import (
     FILE_NAME,
-    ClearanceEntry,
     Manifest,
     bottom_name,
     clearance_entry,

@@ -14,7 +14,7 @@ from stepfield.errors import StackError
 from stepfield.grid import Grid
 from stepfield.parameters import Way
 from stepfield.stack import Manifest, Stack
-from stepfield.stack.manifest import LayerEntry
+from stepfield.stack.entries import LayerEntry
 from stepfield.surface import Mesh, Sheet, as_simulator, sheets
 from stepfield.surface.edges import mesh_of
 from stepfield.targets.covering import covered

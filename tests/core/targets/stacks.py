@@ -12,15 +12,8 @@ from PIL import Image
 
 from stepfield.heightmap import GrayScale
 from stepfield.parameters import Parameters, Way
-from stepfield.stack.manifest import (
-    GridEntry,
-    ImageEntry,
-    LayerEntry,
-    Manifest,
-    Source,
-    image_name,
-    mask_name,
-)
+from stepfield.stack.entries import GridEntry, ImageEntry, LayerEntry, Source
+from stepfield.stack.manifest import Manifest, image_name, mask_name
 
 Raster = NDArray[np.float64]
 
