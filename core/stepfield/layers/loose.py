@@ -52,16 +52,17 @@ def gathered(
     if not loose.any():
         return layer
     firm = np.bincount(piece) >= FRAGMENT
-    patchwork = _Patchwork.of(around, elevation, piece)
+    patchwork = _Patchwork.of(around, elevation, layer, piece)
+    own = np.zeros(len(loose), np.int64)
+    own[piece] = layer  # right for loose pieces, which are in one layer
     anchors = firm & ~loose
     for _ in range(MOST_ROUNDS):
-        of_piece = np.zeros(len(loose), np.int64)
-        of_piece[piece] = layer  # right for loose pieces, which are in one layer
-        wished = patchwork.nearest(layer, layers, anchors[piece], of_piece)
-        moved = _moved(around, layer, layers, piece, np.where(loose, wished, of_piece), loose)
+        wished = patchwork.nearest(np.where(loose, own, -1), layers, anchors)
+        moved = _moved(around, layer, layers, piece, np.where(loose, wished, own), loose)
         if np.array_equal(moved, layer):
             break
-        layer, anchors = moved, firm
+        own[piece] = layer = moved
+        anchors = firm
     return layer
 
 
@@ -78,82 +79,66 @@ def _bounds(around: Surroundings, layers: int, piece: Integers) -> tuple[Integer
 
 @dataclass(frozen=True, eq=False)
 class _Patchwork:
-    """Pieces cut along squares of the plan, and what is in each of these cuttings."""
+    """Pieces cut along squares of the plan and by layers, and what is in each of these cuttings."""
 
-    squares: tuple[Integers, ...]  # of each pillar, the small ones first; the last is the whole grid
-    elevation: Floats  # (M,)
-    cutting: Integers  # (M,) which cutting each pillar is in
     piece: Integers  # (C,) of each cutting
-    places: tuple[Integers, ...]  # (C,) square of each cutting, one array a size of squares
+    layer: Integers  # (C,) of its pillars, before any piece moves
+    squares: tuple[Integers, ...]  # (C,) where it is, the small squares first; the last is the whole grid
     members: Floats  # (C,) pillars
     sums: Floats  # (C,) of their elevations
 
     @classmethod
-    def of(cls, around: Surroundings, elevation: Floats, piece: Integers) -> _Patchwork:
-        squares = []
-        for side in NEAR:
-            across = int(around.column.max()) // side + 1
-            squares.append(around.row // side * across + around.column // side)
-        squares.append(np.zeros(len(around), np.int64))
-        count = int(squares[0].max()) + 1
-        key, first, cutting = np.unique(piece * count + squares[0], return_index=True, return_inverse=True)
+    def of(cls, around: Surroundings, elevation: Floats, layer: Integers, piece: Integers) -> _Patchwork:
+        across = int(around.column.max()) // NEAR[0] + 1
+        square = around.row // NEAR[0] * across + around.column // NEAR[0]
+        key = (piece * (int(layer.max()) + 1) + layer) * (int(square.max()) + 1) + square
+        _, first, cutting = np.unique(key, return_index=True, return_inverse=True)
+        row, column = around.row[first], around.column[first]
+        squares = [row // side * (int(column.max()) // side + 1) + column // side for side in NEAR]
         return cls(
-            tuple(squares),
-            elevation,
-            cutting,
-            key // count,
-            tuple(square[first] for square in squares),
+            piece[first],
+            layer[first],
+            (*squares, np.zeros(len(first), np.int64)),
             np.bincount(cutting).astype(np.float64),
             np.bincount(cutting, elevation).astype(np.float64),
         )
 
-    def nearest(self, layer: Integers, layers: int, anchors: Mask, own: Integers) -> Integers:
+    def nearest(self, own: Integers, layers: int, anchors: Mask) -> Integers:
         """Return the layer nearest to each piece, or its own where that has no other anchor.
 
         Parameters
         ----------
-        layer : ndarray of shape (M,)
-        layers : int
-        anchors : ndarray of shape (M,), bool
-            Pillars that make out where layers are.
         own : ndarray of shape (pieces,)
-            Present layer of each piece.
+            Present layer of each loose piece; -1 for others, which are where they were.
+        layers : int
+        anchors : ndarray of shape (pieces,), bool
+            Pieces that make out where layers are.
         """
-        anchored = np.zeros(len(self.piece), bool)
-        anchored[self.cutting] = anchors
+        layer = np.where(own[self.piece] >= 0, own[self.piece], self.layer)
         near = np.full((len(self.piece), layers), np.nan)
-        for square, place in zip(self.squares, self.places, strict=True):
-            others = self._averages(square, place, layer, layers, anchors, anchored, own)
+        for square in self.squares:
+            others = self._averages(square, layer, layers, anchors[self.piece])
             np.copyto(near, others, where=np.isnan(near))
         mean = self.sums / self.members
         away = np.abs(near - mean[:, np.newaxis]) * self.members[:, np.newaxis]
         cost = np.stack([np.bincount(self.piece, column, len(own)) for column in away.T], axis=1)
         cost[np.isnan(cost)] = np.inf
-        best = np.argmin(cost, axis=1)
-        return np.where(np.isinf(cost[np.arange(len(own)), own]), own, best)
+        stays = np.isinf(cost[np.arange(len(own)), own])
+        return np.where(stays, own, np.argmin(cost, axis=1))
 
-    def _averages(
-        self,
-        square: Integers,
-        place: Integers,
-        layer: Integers,
-        layers: int,
-        anchors: Mask,
-        anchored: Mask,
-        own: Integers,
-    ) -> Floats:
+    def _averages(self, square: Integers, layer: Integers, layers: int, anchored: Mask) -> Floats:
         """Average elevation of each layer's other pieces in each cutting's square, shape (C, layers)."""
-        size = (int(square.max()) + 1) * layers
-        where = square[anchors] * layers + layer[anchors]
-        members = np.bincount(where, minlength=size).reshape(-1, layers)[place].astype(np.float64)
-        sums = np.bincount(where, self.elevation[anchors], size).reshape(-1, layers)[place].astype(np.float64)
-        # What a piece adds itself, in all its cuttings of the same square.
-        key = self.piece * (int(square.max()) + 1) + place
-        _, group = np.unique(key, return_inverse=True)
+        count = int(square.max()) + 1
+        where = square[anchored] * layers + layer[anchored]
+        members, sums = (
+            np.bincount(where, of[anchored], count * layers).astype(np.float64).reshape(-1, layers)[square]
+            for of in (self.members, self.sums)
+        )
+        # Less what the piece adds itself, in all its cuttings of the same square and layer.
+        _, group = np.unique((self.piece * count + square) * layers + layer, return_inverse=True)
         mine = np.flatnonzero(anchored)
-        column = own[self.piece[mine]]
-        members[mine, column] -= np.bincount(group, self.members)[group[mine]]
-        sums[mine, column] -= np.bincount(group, self.sums)[group[mine]]
+        members[mine, layer[mine]] -= np.bincount(group, self.members)[group[mine]]
+        sums[mine, layer[mine]] -= np.bincount(group, self.sums)[group[mine]]
         averages: Floats = np.divide(sums, members, out=np.full(members.shape, np.nan), where=members > 0.5)
         return averages
 
