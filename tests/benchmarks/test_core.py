@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from tests.benchmarks.conftest import POINTS, Table, seconds
 from tests.conftest import scan_of
@@ -13,8 +14,9 @@ from stepfield.compartments import sort_into_compartments
 from stepfield.layers import classify
 from stepfield.links import link
 from stepfield.parameters import Parameters
-from stepfield.pillars import build_pillars
+from stepfield.pillars import StepField, build_pillars
 from stepfield.pipeline import Pipeline
+from stepfield.synth import synthesise
 
 CELL, TOLERANCE = 0.25, 0.3
 
@@ -44,12 +46,7 @@ def test_new_alpha(storeys: NDArray[np.float32], table: Table, folder: Path) -> 
 
 
 def test_layering_and_links(table: Table) -> None:
-    rng = np.random.default_rng(1)
-    n = 500
-    east, north = (a.ravel() + 0.5 for a in np.meshgrid(np.arange(n), np.arange(n)))
-    stacks = [np.c_[east, north, np.full(n * n, 2.0 * k) + 0.3 * np.sin(east / 30)] for k in range(5)]
-    points = np.vstack(stacks)[rng.random(5 * n * n) < 0.8]
-    field = build_pillars(sort_into_compartments(scan_of(points), 1.0), 0.3)
+    field = overlaid(500)
     floor = seconds(lambda: np.sort(field.elevation))
     name = f"{len(field) / 1e6:.2f} M pillars, 5 layers"
     table.add(
@@ -61,3 +58,33 @@ def test_layering_and_links(table: Table) -> None:
     )
     everywhere = np.ones(len(field), bool)
     table.add(f"links, {name}", seconds(lambda: link(field, everywhere, 0.3)), "sort of their heights", floor)
+
+
+@pytest.mark.parametrize(("side", "target"), [(224, "< 0.25 s"), (500, "< 1.5 s"), (1581, "< 16 s")])
+def test_layering_by_surface(side: int, target: str, table: Table) -> None:
+    """Links included, as a new tolerance needs them anew."""
+    field = overlaid(side)
+    floor = seconds(lambda: np.sort(field.elevation))
+    name = f"surface layering with links, {len(field) / 1e6:.2f} M pillars"
+    took = seconds(lambda: classify(field, "surface"), 3 if side < 1000 else 1)
+    table.add(name, took, "sort of their heights", floor, target)
+
+
+@pytest.mark.parametrize(("scene", "cell"), [("ramp", 0.032), ("rubble", 0.05), ("rubble", 0.035)])
+def test_layering_of_a_tangle_by_surface(scene: str, cell: float, table: Table) -> None:
+    """Surfaces that hang together in loops, at cells that hold few points: what takes longest to cut."""
+    field = build_pillars(sort_into_compartments(scan_of(synthesise(scene, 8_000_000).points), cell), 0.3)
+    floor = seconds(lambda: np.sort(field.elevation))
+    name = f"surface layering, {scene}, {len(field) / 1e6:.2f} M pillars"
+    table.add(
+        name, seconds(lambda: classify(field, "surface"), 1), "sort of their heights", floor, "< 1.5 s/M"
+    )
+
+
+def overlaid(side: int) -> StepField:
+    """Five undulating surfaces over each other, each seen in four compartments of five."""
+    rng = np.random.default_rng(1)
+    east, north = (a.ravel() + 0.5 for a in np.meshgrid(np.arange(side), np.arange(side)))
+    stacks = [np.c_[east, north, np.full(side**2, 2.0 * k) + 0.3 * np.sin(east / 30)] for k in range(5)]
+    points = np.vstack(stacks)[rng.random(5 * side**2) < 0.8]
+    return build_pillars(sort_into_compartments(scan_of(points), 1.0), 0.3)
