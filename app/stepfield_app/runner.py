@@ -1,8 +1,9 @@
 """The method on a thread of its own, quick while a hand moves and exact once it rests.
 
-What depends on sorted points only (tolerance, alpha, layering, moves) is quick by itself and always exact.
-What needs a large scan sorted anew (cell size, cleaning) is made from fewer points first; when the hand has
-stopped, the exact result follows.
+What depends on sorted points only (tolerance, alpha, layering, moves) is quick by itself and exact at once.
+What needs a large scan sorted anew (cell size, cleaning) is made from fewer points first, and where very many
+pillars would be layered by surface, they are layered by elevation first; when the hand has stopped, the exact
+result follows.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from stepfield_app.requests import Answer, Request
 PREVIEW_POINTS = 350_000
 #: Scans up to this size are always made exactly: that takes no longer than a blink.
 SMALL_SCAN = 1_000_000
+#: Up to so many pillars are always layered as wished.
+FEW_PILLARS = 150_000
 #: Seconds between two answers: as many as the window can show beside following the hand.
 PACE = 0.1
 
@@ -47,25 +50,34 @@ class _Work:
         self._scans: Any = None
         self._pipeline = Pipeline()
         self._facts: ScanFacts | None = None
+        self._sorted: Any = None  # foundation of the points that are sorted, all of them
+        self._pillars = 0
 
     def __call__(self, request: Request, progress: Progress) -> Outcome:
         """Run the method; a scan that cannot be opened leaves the stages of the present one as they are."""
         start = time.perf_counter()
-        pipeline = self._pipeline if request.scans == self._scans else Pipeline()
+        is_new = request.scans != self._scans
+        pipeline = Pipeline() if is_new else self._pipeline
+        is_sorted = not is_new and foundation(request) == self._sorted
+        hasty = request.quick and not is_new and self._pillars > FEW_PILLARS and is_by_surface(request)
         result = pipeline.run(
             request.scans,
-            request.parameters,
+            request.parameters.model_copy(update={"layering": "elevation"}) if hasty else request.parameters,
             request.moves,
             request.styles,
             progress,
-            most_points=PREVIEW_POINTS if request.quick else None,
+            most_points=PREVIEW_POINTS if request.quick and not is_sorted else None,
         )
         result.field.vertical.any()  # found here, so that the window need not wait for it
         self._scans, self._pipeline = request.scans, pipeline
         if self._facts is None or self._facts.scan is not pipeline.raw:
             self._facts = facts_of(pipeline.raw)
         # A preview of a scan that has no more points than that is exact.
-        quick = len(result.field.compartments.ticks) < len(result.scan)
+        is_thinned = len(result.field.compartments.ticks) < len(result.scan)
+        self._pillars = len(result.field)
+        if not is_thinned:
+            self._sorted = foundation(request)
+        quick = is_thinned or hasty
         answer = Answer(replace(request, quick=quick), result, time.perf_counter() - start)
         return Outcome(answer, self._facts)
 
@@ -91,7 +103,8 @@ class Runner(QObject):
         self._settled = True
         self._previewed: Request | None = None  # whose preview has arrived
         self._sorted: Any = None  # foundation of the points that are sorted, all of them
-        self._points = 0
+        self._points = self._pillars = 0
+        self._layered: Any = None  # what the layers depended on that are there, exactly
         pace = PACE if threaded else 0.0
         self._worker = NewestWins[Request, Outcome](_Work(), "runner", self, pace=pace, threaded=threaded)
         self._worker.answered.connect(self._receive)
@@ -133,7 +146,8 @@ class Runner(QObject):
     def forget(self) -> None:
         """Stop, and give the memory of the last scan back."""
         self.cancel()
-        self._sorted, self._points = None, 0
+        self._sorted = self._layered = None
+        self._points = self._pillars = 0
         self._worker.forget()
 
     def close(self) -> None:
@@ -159,10 +173,11 @@ class Runner(QObject):
         return self._sorted is not None and self._sorted[0] == request.scans
 
     def _is_costly(self, request: Request) -> bool:
-        """Whether all points of a large scan would have to be sorted anew."""
+        """Whether all points of a large scan would have to be sorted anew, or very many pillars layered."""
         running, wanted = self._worker.running, foundation(request)
         if wanted == self._sorted or (running and not running.quick and foundation(running) == wanted):
-            return False
+            is_many = self._pillars > FEW_PILLARS and is_by_surface(request)
+            return is_many and layers_depend_on(request) != self._layered
         return self._points > SMALL_SCAN or not self._scan_is_that_of(request)
 
     def _makes_worthless(self, request: Request) -> bool:
@@ -174,8 +189,9 @@ class Runner(QObject):
 
     def _receive(self, request: Request, outcome: Outcome) -> None:
         answer, self._points = outcome.answer, len(outcome.answer.result.scan)
+        self._pillars = len(answer.result.field)
         if not answer.request.quick:
-            self._sorted = foundation(request)
+            self._sorted, self._layered = foundation(request), layers_depend_on(request)
         self.answered.emit(answer, outcome.facts)
         if answer.request.quick:
             self._follow(replace(request, quick=False))
@@ -202,3 +218,16 @@ def foundation(request: Request) -> tuple[Any, ...]:
     chosen = request.parameters
     cleaning = (chosen.unit, chosen.up, chosen.crop, chosen.classes, chosen.outliers)
     return request.scans, chosen.cell_size, *cleaning
+
+
+def is_by_surface(request: Request) -> bool:
+    """Whether a request wants the layering that takes long where pillars are many."""
+    return request.parameters.layering == "surface"
+
+
+def layers_depend_on(request: Request) -> tuple[Any, ...]:
+    """Return what the layering depends on, moves apart: requests that share it need no other."""
+    chosen = request.parameters
+    pillars = chosen.layer_tolerance, chosen.pillar_height, chosen.walls
+    layers = chosen.layering, chosen.min_points, chosen.max_layers, chosen.link_step
+    return foundation(request), pillars, layers

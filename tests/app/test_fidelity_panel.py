@@ -139,6 +139,21 @@ def test_while_a_hand_moves_only_a_draw_is_compared(
     compared.document.end_gesture(gesture)
 
 
+def test_of_very_many_pillars_the_figures_wait_for_the_hand(
+    compared: Compared, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They would take the processors from the pictures that follow it."""
+    compared.open()
+    monkeypatch.setattr(fidelity_feed, "FOLLOWED", 10)
+    document, seen = compared.document, len(compared.seen)
+    gesture = document.begin_gesture()
+    document.set_parameters("Tolerance", gesture, layer_tolerance=0.25)
+    assert not compared.feed._worker.busy
+    assert len(compared.seen) == seen
+    document.end_gesture(gesture)
+    compared.rest()
+
+
 def test_a_mesh_of_complex_parts_is_counted_in_and_out(compared: Compared) -> None:
     compared.open()
     assert compared.document.answer is not None

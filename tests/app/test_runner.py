@@ -222,3 +222,25 @@ def test_an_exact_run_is_cancelled_by_a_newer_cell_size_but_not_by_a_newer_toler
     assert [request.quick for request in asked] == [False, True]
     monkeypatch.undo()
     runner.close()
+
+
+def test_very_many_pillars_are_layered_by_elevation_until_the_hand_rests(
+    runner: Runner, heard: Listener, large: Request, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By surface they would take so long that nothing followed the hand."""
+    runner.ask(large)
+    exact = heard.answers[-1].result
+    monkeypatch.setattr(module, "FEW_PILLARS", len(exact.field) - 1)
+    heard.quick()
+    finer = changed(large, layer_tolerance=0.2)
+    runner.ask(finer, settled=False)
+    [preview] = heard.answers
+    assert preview.request == replace(finer, quick=True)
+    assert preview.result.parameters.layering == "elevation"
+    assert len(preview.result.field.compartments.ticks) == 3000, "no point has to be left out for that"
+    runner.ask(replace(finer, styles=()), settled=True)
+    assert heard.quick()[-1] is False
+    runner.ask(changed(finer, alpha=0.3), settled=False)
+    assert heard.quick() == [False], "another alpha leaves the layers as they are"
+    runner.ask(changed(finer, layering="elevation", layer_tolerance=0.25), settled=False)
+    assert heard.quick() == [False], "by elevation there is nothing to wait for"

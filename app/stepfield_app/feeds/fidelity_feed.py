@@ -19,6 +19,8 @@ from stepfield_app.scenes.fidelity import FidelityFacts, fidelity_facts
 DRAWN = 30_000
 #: Scans up to this size are compared whole at rest, without a draw first.
 FEW = 250_000
+#: Results of more pillars, and previews, wait until the hand rests: figures would keep the views waiting.
+FOLLOWED = 150_000
 #: Milliseconds of quiet before all points of a larger scan are compared: the views come first.
 QUIET = 700
 #: Milliseconds more for every million points: so much longer is there to be drawn.
@@ -58,7 +60,7 @@ class FidelityFeed(QObject):
         self._courtesy = QTimer(self, singleShot=True, interval=COURTESY)
         self._courtesy.timeout.connect(self._begin)
         document.answer_changed.connect(self._follow)
-        document.held_changed.connect(lambda _: self._settle())
+        document.held_changed.connect(self._rest)
         document.pending_changed.connect(self._give_way)
         document.edit_wished.connect(self._make_room)
 
@@ -103,11 +105,19 @@ class FidelityFeed(QObject):
         running = self._worker.running
         if running is not None and running.most is None:
             self._worker.cancel()  # it would take too long
-        if self._document.held:
-            self._begin()
-        else:
+        if not self._document.held:
             self._courtesy.start()
+        elif len(answer.result.field) <= FOLLOWED and not answer.request.quick:
+            self._begin()
         self._mark()
+
+    def _rest(self, is_held: bool) -> None:
+        """Compare what was passed over while a hand moved, or all points of what was not."""
+        answer = self._document.answer
+        if is_held or answer is None or self._is_newest or self._document.pending:
+            self._settle()
+        else:
+            self._follow(answer)
 
     def _begin(self) -> None:
         answer = self._document.answer
