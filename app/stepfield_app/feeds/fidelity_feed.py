@@ -23,8 +23,8 @@ FEW = 250_000
 FOLLOWED = 150_000
 #: Milliseconds of quiet before all points of a larger scan are compared: the views come first.
 QUIET = 700
-#: Milliseconds more for every million points: so much longer is there to be drawn.
-QUIET_A_MILLION = 250
+#: Milliseconds more for every million points: there is more to be drawn, and who edits is not to wait.
+QUIET_A_MILLION = 1500
 #: Milliseconds by which the pictures of a result go before its first figures: an edit is to be seen at once.
 COURTESY = 250
 #: Seconds between two comparisons: the views of a moving hand come first.
