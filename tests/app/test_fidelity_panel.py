@@ -117,6 +117,20 @@ def test_a_large_scan_is_drawn_first_and_compared_whole_at_rest(
     assert not compared.seen[1].comparison.fidelity.is_drawn  # type: ignore[union-attr]
 
 
+def test_of_a_very_large_scan_no_more_than_very_many_points_are_compared(
+    compared: Compared, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All of them would keep the processors from the views for tens of seconds."""
+    for name, value in (("DRAWN", 50), ("FEW", 100), ("QUIET", 1), ("MOST", 200)):
+        monkeypatch.setattr(fidelity_feed, name, value)
+    compared.open()
+    compared.qtbot.waitUntil(lambda: len(compared.seen) == 2)
+    few, many = (facts.comparison.fidelity for facts in compared.seen if facts is not None)
+    assert few.points < many.points <= 200 < many.of
+    assert many.is_drawn
+    assert not compared.feed._quiet.isActive(), "it would be compared again and again"
+
+
 def test_a_drawn_figure_says_so(qtbot: QtBot, tmp_path: Path) -> None:
     panel = FidelityPanel(strip := Strip("Fidelity"))
     qtbot.addWidget(panel)

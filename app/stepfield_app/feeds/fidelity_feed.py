@@ -1,4 +1,4 @@
-"""Finds out how true a result is: at once from an even draw of its points, from all of them once it rests."""
+"""Finds out how true a result is: at once from an even draw of its points, from all or very many at rest."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ from stepfield_app.scenes.fidelity import FidelityFacts, fidelity_facts
 DRAWN = 30_000
 #: Scans up to this size are compared whole at rest, without a draw first.
 FEW = 250_000
+#: Points compared at rest at most: more would keep the processors from the views for tens of seconds.
+MOST = 2_000_000
 #: Results of more pillars, and previews, wait until the hand rests: figures would keep the views waiting.
 FOLLOWED = 150_000
 #: Milliseconds of quiet before all points of a larger scan are compared: the views come first.
@@ -38,6 +40,11 @@ class _Wish:
     result: Reconstruction
     most: int | None
     meshed: Meshed | None = None
+
+    @property
+    def is_long(self) -> bool:
+        """Whether more than a draw is compared."""
+        return self.most is None or self.most > DRAWN
 
 
 class FidelityFeed(QObject):
@@ -103,7 +110,7 @@ class FidelityFeed(QObject):
             self.changed.emit(None)
             return
         running = self._worker.running
-        if running is not None and running.most is None:
+        if running is not None and running.is_long:
             self._worker.cancel()  # it would take too long
         if not self._document.held:
             self._courtesy.start()
@@ -128,7 +135,7 @@ class FidelityFeed(QObject):
     def _give_way(self, is_pending: bool) -> None:
         """Stop a long comparison as soon as another result is wanted; go on if none comes."""
         running = self._worker.running
-        if is_pending and running is not None and running.most is None:
+        if is_pending and running is not None and running.is_long:
             self._worker.cancel()
         elif not is_pending and self._document.answer is not None and self.is_idle and not self._is_newest:
             self._follow(self._document.answer)  # what was stopped begins again
@@ -139,7 +146,7 @@ class FidelityFeed(QObject):
     def _make_room(self) -> None:
         """Put a long comparison off while an edit is worked out, even if nothing comes of it."""
         running = self._worker.running
-        if running is not None and running.most is None and self._is_newest:
+        if running is not None and running.is_long and self._is_newest:
             self._worker.cancel()
             self._settle()
 
@@ -154,7 +161,8 @@ class FidelityFeed(QObject):
     def _settle(self) -> None:
         """Compare all points after a moment of quiet, once no newer result is on its way."""
         if not self._document.held and self._is_newest and self._is_drawn:
-            more = self._facts.comparison.fidelity.of * QUIET_A_MILLION // 1_000_000 if self._facts else 0
+            points = min(self._facts.comparison.fidelity.of, MOST) if self._facts else 0
+            more = points * QUIET_A_MILLION // 1_000_000
             self._quiet.start(QUIET + more)
 
     def _compare_all(self) -> None:
@@ -167,14 +175,18 @@ class FidelityFeed(QObject):
             and self._is_newest
             and self._is_drawn
         ):
-            self._ask(answer.result, None)
+            self._ask(answer.result, MOST if len(answer.result.scan) > MOST else None)
 
     def _ask(self, result: Reconstruction, most: int | None) -> None:
         self._worker.ask(_Wish(result, most, self._mesh_of(result)))
 
     @property
     def _is_drawn(self) -> bool:
-        return self._facts is not None and self._facts.comparison.fidelity.is_drawn
+        """Whether more points are to be compared; an even draw may have half as many as wished."""
+        if self._facts is None:
+            return False
+        fidelity = self._facts.comparison.fidelity
+        return fidelity.is_drawn and (fidelity.of <= MOST or fidelity.points < MOST // 2)
 
     def _mark(self) -> None:
         self._panel.set_pending(self._document.pending or not self._is_newest)
