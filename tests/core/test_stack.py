@@ -81,7 +81,7 @@ def test_a_stack_passes_its_own_check_with_its_scan(
     report = check_stack(tmp_path / "out", [table])
     assert report.faults == ()
     assert report.fidelity is not None
-    assert report.fidelity.vertical.rmse < 0.03
+    assert report.fidelity.vertical.rmse < 0.02
     assert report.fidelity.explained > 0.99
 
 
