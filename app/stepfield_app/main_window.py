@@ -157,7 +157,8 @@ class MainWindow(QMainWindow):
         self.plot_feed = PlotFeed(
             self.document, self.scene_feed, self.map, self.profile, self.histogram, self.layers
         )
-        self.fidelity_feed = FidelityFeed(self.document, self.fidelity)
+        is_drawn = self.scene_feed.is_drawn
+        self.fidelity_feed = FidelityFeed(self.document, self.fidelity, is_drawn)
         self.fidelity_feed.changed.connect(self.plot_feed.set_facts)
         self.status_feed = StatusFeed(self.document, self.status, self.trio, self.map, self.scene_feed)
         self.stray_feed = StrayFeed(self.document, self.cleaning, self.scene_feed)
@@ -167,7 +168,8 @@ class MainWindow(QMainWindow):
         self.complex_feed.shown.connect(self.fidelity_feed.set_meshed)
         lead = Lead(self.document, self.map, self.trio, self.scene_feed, self.selection_feed)
         self.suspect_feed = SuspectFeed(
-            self.document, self.selection, self.map, self.marks, self.mark_box, self.suspects, lead
+            *(self.document, self.selection, self.map, self.marks, self.mark_box, self.suspects),
+            *(lead, is_drawn),
         )
 
     def _make_tools(self) -> None:

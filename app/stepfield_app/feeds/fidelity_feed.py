@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -9,6 +10,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from stepfield.progress import Progress
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.document import Document
+from stepfield_app.feeds.courtesy import Courtesy, at_once
 from stepfield_app.newest import NewestWins
 from stepfield_app.panels.fidelity import FidelityPanel
 from stepfield_app.requests import Answer
@@ -27,7 +29,7 @@ FOLLOWED = 150_000
 QUIET = 700
 #: Milliseconds more for every million points: there is more to be drawn, and who edits is not to wait.
 QUIET_A_MILLION = 1500
-#: Milliseconds by which the pictures of a result go before its first figures: an edit is to be seen at once.
+#: Milliseconds by which the pictures of a result go before its first figures at least.
 COURTESY = 250
 #: Seconds between two comparisons: the views of a moving hand come first.
 PACE = 0.3
@@ -48,13 +50,23 @@ class _Wish:
 
 
 class FidelityFeed(QObject):
-    """Keeps the fidelity panel, and whoever else wants to know, true to the document."""
+    """Keeps the fidelity panel, and whoever else wants to know, true to the document.
+
+    Parameters
+    ----------
+    document : Document
+    panel : FidelityPanel
+    is_drawn : callable
+        Whether the views show the newest result in full: they go first.
+    """
 
     failed = Signal(object)  # exception
     #: FidelityFacts, or None once there is no result.
     changed = Signal(object)
 
-    def __init__(self, document: Document, panel: FidelityPanel) -> None:
+    def __init__(
+        self, document: Document, panel: FidelityPanel, is_drawn: Callable[[], bool] = at_once
+    ) -> None:
         super().__init__(document)
         self._document, self._panel = document, panel
         self._facts: FidelityFacts | None = None
@@ -64,8 +76,8 @@ class FidelityFeed(QObject):
         self._worker.failed.connect(lambda _, error: self.failed.emit(error))
         self._quiet = QTimer(self, singleShot=True, interval=QUIET)
         self._quiet.timeout.connect(self._compare_all)
-        self._courtesy = QTimer(self, singleShot=True, interval=COURTESY)
-        self._courtesy.timeout.connect(self._begin)
+        self._courtesy = Courtesy(COURTESY, is_drawn, self)
+        self._courtesy.passed.connect(self._begin)
         document.answer_changed.connect(self._follow)
         document.held_changed.connect(self._rest)
         document.pending_changed.connect(self._give_way)
@@ -74,7 +86,7 @@ class FidelityFeed(QObject):
     @property
     def is_idle(self) -> bool:
         """Whether the newest result's figures are shown, be they of an even draw of a large scan's points."""
-        is_busy = self._worker.busy or self._courtesy.isActive()
+        is_busy = self._worker.busy or self._courtesy.is_active
         return self._document.answer is None or self._is_newest or not is_busy
 
     def close(self) -> None:

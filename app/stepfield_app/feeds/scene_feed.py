@@ -97,6 +97,10 @@ class SceneFeed(QObject):
         """Whether every scene asked for has been handed over."""
         return not self._drawing.busy and not self._owes_detail and not self._courtesy.isActive()
 
+    def is_drawn(self) -> bool:
+        """Whether the views show what there is in full, as far as anything is drawn at all."""
+        return self.is_idle and (self._client.state != "running" or self._client.is_at_rest())
+
     def set_visible(self, layers: tuple[int, ...]) -> None:
         """Show these layers, -1 for Unassigned."""
         if layers != self._choices.visible:

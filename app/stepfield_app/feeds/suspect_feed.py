@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtCore import QObject, Signal
 
 from stepfield.progress import Progress
 from stepfield.reconstruction import Reconstruction
 from stepfield.suspects import KINDS, Place, Suspects, suspects
 from stepfield_app.document import Document
+from stepfield_app.feeds.courtesy import Courtesy, at_once
 from stepfield_app.feeds.lead import Lead
 from stepfield_app.newest import NewestWins
 from stepfield_app.panels.suspects import SuspectsPanel
@@ -56,6 +58,8 @@ class SuspectFeed(QObject):
     panel : SuspectsPanel
     lead : Lead
         Leads the views to a place.
+    is_drawn : callable
+        Whether the views show the newest result in full: they go first.
     """
 
     failed = Signal(object)  # exception
@@ -71,6 +75,7 @@ class SuspectFeed(QObject):
         box: MarkBox,
         panel: SuspectsPanel,
         lead: Lead,
+        is_drawn: Callable[[], bool] = at_once,
     ) -> None:
         super().__init__(document)
         self._document, self._selection, self._map = document, selection, map_view
@@ -79,8 +84,8 @@ class SuspectFeed(QObject):
         self._at: Place | None = None  # the place that is shown, or was in an older result
         self._number = 0
         self._owed_step = 0
-        self._quiet = QTimer(self, singleShot=True, interval=QUIET)
-        self._quiet.timeout.connect(self._look)
+        self._quiet = Courtesy(QUIET, is_drawn, self)
+        self._quiet.passed.connect(self._look)
         self._search = NewestWins[Reconstruction, Found](_found, "suspicious places", self)
         self._search.answered.connect(self._take_found)
         self._cells = NewestWins[_MarkWish, Cells](_marked, "marks in the map", self)
@@ -98,7 +103,7 @@ class SuspectFeed(QObject):
     @property
     def is_idle(self) -> bool:
         """Whether everything that is wanted is shown."""
-        return not (self._quiet.isActive() or self._search.busy or self._cells.busy)
+        return not (self._quiet.is_active or self._search.busy or self._cells.busy)
 
     @property
     def place(self) -> Place | None:
