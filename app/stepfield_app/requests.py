@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from stepfield.parameters import Parameters
 from stepfield.project import LayerStyle, Move, Project
 from stepfield.reconstruction import Reconstruction
+from stepfield_app.scenes.summary import LayerSummary, summaries
 
 DEFAULTS = Parameters()
 
@@ -41,6 +43,14 @@ class Answer:
     request: Request
     result: Reconstruction
     seconds: float
+
+    def summaries(self) -> tuple[LayerSummary, ...]:
+        """Summarise the layers, the lowest first, Unassigned last; worked out once."""
+        return self._summaries
+
+    @cached_property
+    def _summaries(self) -> tuple[LayerSummary, ...]:
+        return summaries(self.result)
 
 
 def paths_of(project: Project) -> tuple[Path, ...]:

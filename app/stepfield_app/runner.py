@@ -68,7 +68,6 @@ class _Work:
             progress,
             most_points=PREVIEW_POINTS if request.quick and not is_sorted else None,
         )
-        result.field.vertical.any()  # found here, so that the window need not wait for it
         self._scans, self._pipeline = request.scans, pipeline
         if self._facts is None or self._facts.scan is not pipeline.raw:
             self._facts = facts_of(pipeline.raw)
@@ -79,6 +78,7 @@ class _Work:
             self._sorted = foundation(request)
         quick = is_thinned or hasty
         answer = Answer(replace(request, quick=quick), result, time.perf_counter() - start)
+        answer.summaries()  # found here, so that the window need not wait for them
         return Outcome(answer, self._facts)
 
 

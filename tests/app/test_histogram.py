@@ -85,6 +85,17 @@ def test_hovering_tells_the_count(view: HistogramView) -> None:
     assert "10 points" in view.readout
 
 
+def test_axes_stay_as_they_are_while_counts_change(view: HistogramView) -> None:
+    """They would be made anew for every result, which takes longer than the bars."""
+    view.set_histogram(histogram())
+    view.grab()
+    axis = view.axes["left"].picture
+    view.set_histogram(histogram(levels=()))
+    view.grab()
+    assert axis is not None
+    assert view.axes["left"].picture is axis
+
+
 def test_another_scan_is_fitted_although_the_operator_had_zoomed(view: HistogramView) -> None:
     """The bars of the next scan could be out of sight."""
     view.set_histogram(histogram())

@@ -17,7 +17,7 @@ from stepfield_app.panels.layers_editing import TO_BE_CHOSEN, LayersEditing
 from stepfield_app.panels.layers_model import LAYER_MIME, Notice
 from stepfield_app.panels.move_menu import fill_move_menu
 from stepfield_app.panels.row_layout import ROW_HEIGHT, RowLayout
-from stepfield_app.panels.summary import summaries
+from stepfield_app.scenes.summary import summaries
 from stepfield_app.theme import LIGHT
 
 pytestmark = pytest.mark.qt_log_ignore("propagateSizeHints")  # which the platform without a screen lacks

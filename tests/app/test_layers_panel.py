@@ -20,7 +20,7 @@ from stepfield_app.document import Document
 from stepfield_app.panels.layers import LayersPanel
 from stepfield_app.panels.layers_model import Role
 from stepfield_app.panels.row_layout import RowLayout
-from stepfield_app.panels.summary import LayerSummary, summaries
+from stepfield_app.scenes.summary import LayerSummary, summaries
 from stepfield_app.theme import LIGHT, UNASSIGNED_COLOUR, layer_colour
 
 pytestmark = pytest.mark.qt_log_ignore("propagateSizeHints")  # which the platform without a screen lacks

@@ -210,6 +210,15 @@ def test_scans_without_any_extent_still_have_ranges(
         assert 0 < row.slider._range.low < row.slider._range.high
 
 
+def test_a_step_of_a_slider_leaves_other_rows_alone(panel: ParametersPanel, document: Document) -> None:
+    """Every row would be written anew sixty times a second, over what is being typed in it."""
+    panel.alpha.box.lineEdit().setText("0.7")
+    panel.tolerance.slider.setSliderDown(True)
+    panel.tolerance.slider.setValue(panel.tolerance.slider.value() + 20)
+    assert panel.alpha.box.lineEdit().text() == "0.7"
+    panel.tolerance.slider.setSliderDown(False)
+
+
 def test_nothing_is_laid_out_anew_while_a_slider_moves(panel: ParametersPanel, document: Document) -> None:
     def places() -> list[object]:
         return [child.geometry() for child in panel.findChildren(QWidget)]

@@ -11,12 +11,12 @@ from tests.core.walled import CELL, COLUMN, COLUMN_TOP, DOOR, LINTEL, TOLERANCE,
 
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.panels.layers_model import LayersModel
-from stepfield_app.panels.summary import summaries
 from stepfield_app.scenes.blocks import WALL as LOST
 from stepfield_app.scenes.blocks import blocks
 from stepfield_app.scenes.raster import raster
 from stepfield_app.scenes.readout import pillars_at
 from stepfield_app.scenes.section import cut
+from stepfield_app.scenes.summary import summaries
 from stepfield_app.scenes.surfaces import surfaces
 from stepfield_app.theme import WALL_COLOUR, rgb
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from PySide6.QtGui import QAction
+
 from stepfield_app.actions import Actions, Keys
 from stepfield_app.commands import select
 
@@ -28,9 +30,11 @@ def make(actions: Actions, window: MainWindow) -> None:
         text.connect(partial(_name_step, action, verb))
 
 
-def _name_step(action: object, verb: str, step: str) -> None:
+def _name_step(action: QAction, verb: str, step: str) -> None:
     escaped = step.replace("&", "&&")  # a layer may be called what it likes
-    action.setText(f"{verb} {escaped}".strip())  # type: ignore[attr-defined]
+    text = f"{verb} {escaped}".strip()
+    if action.text() != text:  # a step that takes another one in tells both
+        action.setText(text)
 
 
 def fill(actions: Actions) -> None:

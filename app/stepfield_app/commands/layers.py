@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -97,7 +98,7 @@ def split(window: MainWindow, layer: int) -> None:
 
 def _make_moves(actions: Actions, window: MainWindow) -> None:
     """Make the actions that move the selection: a digit takes it to a layer."""
-    editor = window.editor
+    editor, shortcuts = window.editor, []
     for number in range(1, KEYS + 1):
         action = actions.make(
             f"to layer {number}",
@@ -107,7 +108,7 @@ def _make_moves(actions: Actions, window: MainWindow) -> None:
             tip=f"Move the selected pillars to layer {number}",
         )
         action.setVisible(False)
-        _say_there_is_none(window, number)
+        shortcuts.append(_say_there_is_none(window, number))
     actions.make(
         "to unassigned",
         "Move to &Unassigned",
@@ -123,28 +124,33 @@ def _make_moves(actions: Actions, window: MainWindow) -> None:
         glyph="new layer",
         tip="Make a layer of the selected pillars",
     )
-    for signal in (window.document.answer_changed, window.document.project_changed):
-        signal.connect(lambda _: _name_layers(actions, window))
+    _follow_names(actions, window, shortcuts)
 
 
-def _say_there_is_none(window: MainWindow, number: int) -> None:
+def _say_there_is_none(window: MainWindow, number: int) -> QShortcut:
     """Let the digit of a layer that is not there say so: an action that is hidden says nothing."""
-
-    def follow() -> None:
-        layers = {target.to for target in window.editor.targets}
-        shortcut.setEnabled(bool(layers) and number - 1 not in layers)
-
     shortcut = QShortcut(QKeySequence(str(number)), window)
     shortcut.activated.connect(lambda: window.editor.told.emit(f"There is no layer {number}"))
     shortcut.setEnabled(False)
-    window.document.answer_changed.connect(lambda _: follow())
+    return shortcut
 
 
-def _name_layers(actions: Actions, window: MainWindow) -> None:
+def _follow_names(actions: Actions, window: MainWindow, shortcuts: Sequence[QShortcut]) -> None:
     """Let the menu have an entry for each layer there is, under its name."""
-    names = {target.to: target.name for target in window.editor.targets}
-    for number in range(1, KEYS + 1):
-        action = actions[f"to layer {number}"]
-        action.setVisible(number - 1 in names)
-        name = names.get(number - 1, "").replace("&", "&&")
-        action.setText(f"&{number}  {name}")
+    known: dict[int, str] = {}
+
+    def follow(_: object) -> None:
+        names = {target.to: target.name for target in window.editor.targets}
+        if names == known:  # as at nearly every step of a slider
+            return
+        known.clear()
+        known.update(names)
+        for place, shortcut in enumerate(shortcuts):
+            shortcut.setEnabled(bool(names) and place not in names)
+            action = actions[f"to layer {place + 1}"]
+            action.setVisible(place in names)
+            name = names.get(place, "").replace("&", "&&")
+            action.setText(f"&{place + 1}  {name}")
+
+    for signal in (window.document.answer_changed, window.document.project_changed):
+        signal.connect(follow)

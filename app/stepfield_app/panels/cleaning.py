@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import get_args
+from typing import Any, get_args
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QComboBox, QFormLayout, QVBoxLayout, QWidget
 
 from stepfield.parameters import Parameters, Unit, Up
+from stepfield.project import Project
 from stepfield_app.controls import named, shrinkable
 from stepfield_app.document import Document
 from stepfield_app.facts import ScanFacts
@@ -38,6 +39,8 @@ class CleaningPanel(QWidget):
     def __init__(self, document: Document, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._document = document
+        self._project = document.project
+        self._shown: tuple[Any, ...] = ()
         guard = WheelGuard(self)
         self.unit = named(shrinkable(QComboBox()), "Unit", "Unit of the scan's coordinates")
         self.up = named(shrinkable(QComboBox()), "Up axis", "The scan's axis that points up")
@@ -100,7 +103,7 @@ class CleaningPanel(QWidget):
         )
         self.crop.tool_requested.connect(self.crop_tool_requested)
         self.outliers.preview_requested.connect(self.preview_requested)
-        self._document.project_changed.connect(self._show)
+        self._document.project_changed.connect(self._follow)
         self._document.answer_changed.connect(self._count)
         self._document.facts_changed.connect(self._adapt)
 
@@ -116,8 +119,20 @@ class CleaningPanel(QWidget):
             self.advice.setVisible(bool(facts.scan.warnings))
         self._show()
 
-    def _show(self, _: object = None) -> None:
+    def _follow(self, project: Project) -> None:
+        """Show what has changed; all of a project that has not, for a control may show what was refused."""
+        if project is self._project or _cleaning(project.parameters) != self._shown or self._looks:
+            self._show()
+        self._project = project
+
+    @property
+    def _looks(self) -> bool:
+        """Whether outliers are looked at: any edit ends that."""
+        return self.outliers.preview.isChecked()
+
+    def _show(self) -> None:
         """Show what the document says."""
+        self._shown = _cleaning(self._document.project.parameters)
         chosen: Parameters = self._document.project.parameters
         self.unit.setCurrentIndex(self.unit.findData(chosen.unit))
         self.up.setCurrentIndex(self.up.findData(chosen.up))
@@ -134,3 +149,8 @@ class CleaningPanel(QWidget):
         lines = [f"{grouped(len(scan))} of {counted(facts.points, 'point')} used"]
         lines += [f"{grouped(n)} {REASONS.get(why, why)}" for why, n in scan.removed.items() if n]
         self.removed.setText("\n".join(lines))
+
+
+def _cleaning(chosen: Parameters) -> tuple[Any, ...]:
+    """Return what of the parameters is shown here."""
+    return chosen.unit, chosen.up, chosen.crop, chosen.classes, chosen.outliers

@@ -34,4 +34,6 @@ class HistoryPanel(QWidget):
 
     def _name_beginning(self, answer: Answer | None) -> None:
         """Say where the steps begin; nowhere while nothing is open."""
-        self.view.setEmptyLabel(BEGINNING if answer is not None else NOTHING)
+        label = BEGINNING if answer is not None else NOTHING
+        if self.view.emptyLabel() != label:  # or the list would be laid out with every answer
+            self.view.setEmptyLabel(label)

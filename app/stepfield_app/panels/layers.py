@@ -25,8 +25,8 @@ from stepfield_app.panels.layer_row import LayerDelegate
 from stepfield_app.panels.layers_list import LayersList
 from stepfield_app.panels.layers_model import LayerRow, LayersModel, Role
 from stepfield_app.panels.row_layout import Part
-from stepfield_app.panels.summary import LayerSummary, summaries
 from stepfield_app.requests import Answer
+from stepfield_app.scenes.summary import LayerSummary
 from stepfield_app.theme import Theme
 
 EMPTY = "Open a scan: its layers appear here, the highest first. Show, hide, name and colour them."
@@ -99,7 +99,7 @@ class LayersPanel(QWidget):
         return self.model.visible_layers
 
     def _take_answer(self, answer: Answer | None) -> None:
-        self.set_layers(summaries(answer.result) if answer is not None else ())
+        self.set_layers(answer.summaries() if answer is not None else ())
 
     def _take_project(self, project: Project) -> None:
         if project.layers != self._styles:

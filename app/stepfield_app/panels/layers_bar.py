@@ -40,6 +40,7 @@ class LayersBar(QWidget):
         super().__init__(parent)
         self.setProperty("role", "foot")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self._active: tuple[int, int, bool] | None = None
         self.buttons: dict[str, QToolButton] = {}
         self.choices: dict[str, QToolButton] = {}
         layout = QVBoxLayout(self)
@@ -57,6 +58,9 @@ class LayersBar(QWidget):
 
     def set_active(self, index: int, count: int, is_locked: bool) -> None:
         """Offer what can be done with a layer; -1 is Unassigned."""
+        if (index, count, is_locked) == self._active:  # as at nearly every step of a slider
+            return
+        self._active = index, count, is_locked
         is_layer = 0 <= index < count
         can = {
             "new": True,

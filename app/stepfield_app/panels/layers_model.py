@@ -14,7 +14,7 @@ from PySide6.QtGui import QImage
 
 from stepfield.layers import UNASSIGNED
 from stepfield.project import LayerStyle
-from stepfield_app.panels.summary import LayerSummary
+from stepfield_app.scenes.summary import LayerSummary
 from stepfield_app.theme import layer_colour
 from stepfield_app.wording import counted, grouped, metres
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
+from stepfield.project import Project
 from stepfield_app.document import Document
 from stepfield_app.facts import ScanFacts
 from stepfield_app.panels.hand import WheelGuard
@@ -127,13 +128,15 @@ class ParametersPanel(QWidget):
     def __init__(self, document: Document, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._document = document
+        self._shown: list[Any] = []  # what the rows show
+        self._project = document.project
         self._make_rows()
         self._page = Page(self._content(), EMPTY)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self._page)
-        document.project_changed.connect(self._show)
-        document.answer_changed.connect(self._show)
+        document.project_changed.connect(self._follow)
+        document.answer_changed.connect(lambda _: self._show_changes())
         document.facts_changed.connect(self._adapt)
         self._adapt(document.facts)
 
@@ -191,12 +194,28 @@ class ParametersPanel(QWidget):
         content.setLayout(layout)
         return content
 
-    def _show(self, _: object = None) -> None:
-        """Show what the document says."""
-        answer = self._document.answer
+    def _follow(self, project: Project) -> None:
+        """Show what has changed; all of a project that has not, for a row may show what was refused."""
+        if project is self._project:
+            self._show()
+        else:
+            self._show_changes()
+        self._project = project
+
+    def _show(self) -> None:
+        """Show what the document says, row by row."""
+        self._shown = [None] * len(self._rows)
+        self._show_changes()
+
+    def _show_changes(self) -> None:
+        """Show the values that are others: a hand moves one of them many times a second."""
+        answer, chosen = self._document.answer, self._document.project.parameters
         picked = answer.result.parameters if answer else None
-        for row in self._rows:
-            row.show_value(self._document.project.parameters, picked)
+        for place, row in enumerate(self._rows):
+            value = row.value_of(chosen, picked)
+            if value != self._shown[place]:
+                self._shown[place] = value
+                row.show_value(chosen, picked)
 
     def _adapt(self, facts: ScanFacts | None) -> None:
         """Offer the lengths that suit the scan."""

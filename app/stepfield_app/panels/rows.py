@@ -82,6 +82,11 @@ class LengthRow(QObject):
         self.slider.set_lengths(lengths)
         self.box.set_unit(lengths.unit)
 
+    def value_of(self, chosen: Parameters, picked: Parameters | None) -> Any:
+        """Return all that it shows of these."""
+        value = getattr(chosen, self._described.name)
+        return value, value == "auto" and picked and getattr(picked, self._described.name)
+
     def show_value(self, chosen: Parameters, picked: Parameters | None) -> None:
         """Show what was chosen; for auto, what was picked from the scan."""
         value = getattr(chosen, self._described.name)
@@ -127,6 +132,10 @@ class ChoiceRow(QObject):
         """Keep the wheel from what has no focus."""
         guard.guard(self.box)
 
+    def value_of(self, chosen: Parameters, picked: Parameters | None) -> Any:
+        """Return all that it shows of these."""
+        return getattr(chosen, self._described.name)
+
     def show_value(self, chosen: Parameters, picked: Parameters | None) -> None:
         """Show what was chosen; a value that is not offered is added."""
         value = getattr(chosen, self._described.name)
@@ -166,6 +175,10 @@ class CountRow(QObject):
     def guard(self, guard: WheelGuard) -> None:
         """Keep the wheel from what has no focus."""
         guard.guard(self.box)
+
+    def value_of(self, chosen: Parameters, picked: Parameters | None) -> Any:
+        """Return all that it shows of these."""
+        return getattr(chosen, self._described.name)
 
     def show_value(self, chosen: Parameters, picked: Parameters | None) -> None:
         """Show what was chosen."""

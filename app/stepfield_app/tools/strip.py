@@ -59,6 +59,7 @@ class SelectStrip(Strip):
     def __init__(self, selection: Selection, choice: Choice, name_of: Callable[[int], str]) -> None:
         super().__init__("")
         self._selection, self._choice, self._name_of = selection, choice, name_of
+        self._range: tuple[float, float, float] | None = None
         self._brush = _brush_box()
         self._group = QButtonGroup(self)
         self._reaches: dict[ReachKind, QToolButton] = {
@@ -89,6 +90,9 @@ class SelectStrip(Strip):
 
     def set_range(self, low: float, high: float, step: float) -> None:
         """Know between which elevations there are pillars, and a step that is worth one, metres."""
+        if (low, high, step) == self._range:
+            return
+        self._range = low, high, step
         for box in (self.low, self.high):
             with QSignalBlocker(box):
                 box.setSingleStep(step)
@@ -109,7 +113,9 @@ class SelectStrip(Strip):
         """Name the active layer on its button."""
         name = self._name_of(layer)
         short = name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
-        self._reaches["layer"].setText(f"{short} only".replace("&", "&&"))
+        text = f"{short} only".replace("&", "&&")
+        if self._reaches["layer"].text() != text:
+            self._reaches["layer"].setText(text)
 
     def _reach(self, kind: ReachKind, tip: str) -> QToolButton:
         text = {"layer": "Active layer only", "range": "Elevations", "everything": "Everything"}[kind]

@@ -50,11 +50,14 @@ class MetreAxis(pg.AxisItem):  # type: ignore[misc]
     def make_room(self, low: float, high: float) -> None:
         """Take the room that the labels of a range and some zoom need, so that nothing moves later."""
         if self.orientation == "bottom":
-            self.setHeight(HEIGHT)
+            if self.height() != HEIGHT:  # or the axis would be made anew for every picture
+                self.setHeight(HEIGHT)
             return
         digits = digits_for(round_step(max(high - low, 1e-6) / 8)) + SPARE_DIGITS
         widest = max(self._width(number(value, digits)) for value in (low, high))
-        self.setWidth(math.ceil(widest) + 26)
+        wide = math.ceil(widest) + 26
+        if self.width() != wide:
+            self.setWidth(wide)
 
     def tickValues(self, low: float, high: float, size: float) -> list[tuple[float, list[float]]]:  # noqa: N802
         """Place ticks at round coordinates, as many as there is room for labels."""

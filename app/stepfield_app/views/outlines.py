@@ -41,6 +41,11 @@ class SelectedCells(PixelItem):
         self._marked = marked
         self.changed(QRectF() if marked is None else _bounds(marked))
 
+    @property
+    def is_blank(self) -> bool:
+        """Whether nothing is outlined."""
+        return self._marked is None
+
     def write(self, pixels: Pixels, place: Place) -> None:
         """Write the outlines, what is in the layer shown last."""
         if self._marked is None:
@@ -62,12 +67,19 @@ class SelectedBlocks(PixelItem):
 
     def set_spans(self, spans: Floats) -> None:
         """Outline rectangles: left, right, bottom and top, shape (n, 4); what touches gets one outline."""
+        if self.is_blank and not len(spans):
+            return
         self._spans = spans
         bounds = QRectF()
         if len(spans):
             (left, _, bottom, _), (_, right, _, top) = spans.min(axis=0), spans.max(axis=0)
             bounds = QRectF(left, bottom, right - left, top - bottom)
         self.changed(bounds)
+
+    @property
+    def is_blank(self) -> bool:
+        """Whether nothing is outlined."""
+        return not len(self._spans)
 
     def has(self, x: float, y: float) -> bool:
         """Whether a place of the plot lies in one of the rectangles."""

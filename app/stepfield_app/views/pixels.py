@@ -21,7 +21,8 @@ class PixelItem(pg.GraphicsObject):  # type: ignore[misc]
     def __init__(self) -> None:
         super().__init__()
         self._bounds = QRectF()
-        self._drawn: tuple[Any, QImage, Pixels] | None = None
+        self._drawn: tuple[Any, QImage] | None = None
+        self._pixels: Pixels = np.zeros((0, 0), np.uint32)
 
     @abstractmethod
     def write(self, pixels: Pixels, place: Place) -> None:
@@ -37,20 +38,33 @@ class PixelItem(pg.GraphicsObject):  # type: ignore[misc]
         """Return the room it takes."""
         return self._bounds
 
+    @property
+    def is_blank(self) -> bool:
+        """Whether there is nothing to write."""
+        return False
+
     def paint(self, painter: QPainter, *_: Any) -> None:
         """Paint the image over the whole plot."""
+        if self.is_blank:
+            return
         to_scene = self.sceneTransform()
         area = self.getViewBox().sceneBoundingRect().toAlignedRect()
         ratio = painter.device().devicePixelRatioF()
         key = (to_scene, area, ratio)
         if self._drawn is None or self._drawn[0] != key:
-            width, height = round(area.width() * ratio), round(area.height() * ratio)
-            pixels = np.zeros((height, width), np.uint32)
-            self.write(pixels, Place(to_scene, area, ratio))
-            image = QImage(pixels.data, width, height, 4 * width, QImage.Format.Format_ARGB32_Premultiplied)
-            self._drawn = key, image, pixels
+            self._drawn = key, self._image(Place(to_scene, area, ratio), area, ratio)
         painter.setTransform(to_scene.inverted()[0], True)
         painter.drawImage(QRectF(area), self._drawn[1])
+
+    def _image(self, place: Place, area: QRect, ratio: float) -> QImage:
+        """Write the image, into the memory of the last one where that has its size."""
+        width, height = round(area.width() * ratio), round(area.height() * ratio)
+        if self._pixels.shape != (height, width):
+            self._pixels = np.zeros((height, width), np.uint32)
+        else:
+            self._pixels.fill(0)
+        self.write(self._pixels, place)
+        return QImage(self._pixels.data, width, height, 4 * width, QImage.Format.Format_ARGB32_Premultiplied)
 
 
 class Place:

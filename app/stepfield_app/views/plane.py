@@ -59,11 +59,13 @@ class Plane(pg.PlotWidget):  # type: ignore[misc]
 
     def set_extent(self, extent: Extent, keep_zoom: bool) -> None:
         """Know what there is to see, and show all of it unless the zoom is to be kept."""
-        is_first = self.extent is None
-        self.pane.know(extent)
-        for axis in self.axes.values():
-            axis.make_room(extent.bottom, extent.top)
-        if is_first or not keep_zoom:
+        is_first, is_known = self.extent is None, extent == self.extent
+        if not is_known:
+            self.pane.know(extent)
+            for axis in self.axes.values():
+                axis.make_room(extent.bottom, extent.top)
+        is_seen = is_known and not self.is_touched  # every size refits it
+        if is_first or not (keep_zoom or is_seen):
             self.fit()
 
     def fit(self) -> None:

@@ -33,7 +33,7 @@ class Plot(Plane):
 
     def __init__(self, across: str, up: str, equal_scales: bool, parent: QWidget | None = None) -> None:
         self.theme = DARK
-        self._empty_text, self._legend = "", Legend("")
+        self._empty_text, self._legend, self._room = "", Legend(""), -1
         super().__init__(across, up, equal_scales, parent)
         self._lateness = Lateness(self)
         self._lateness.changed.connect(lambda: self.viewport().update())
@@ -50,9 +50,10 @@ class Plot(Plane):
 
     def set_empty_text(self, text: str) -> None:
         """Say this in place of a plot; an empty text shows the plot."""
-        self._empty_text = text
-        self.getPlotItem().setVisible(not text)
-        self.viewport().update()
+        if text != self._empty_text:
+            self._empty_text = text
+            self.getPlotItem().setVisible(not text)
+            self.viewport().update()
 
     def set_legend(self, legend: Legend) -> None:
         """Say what the colours mean."""
@@ -72,7 +73,9 @@ class Plot(Plane):
         return LEGEND_ROOM if self._legend.title and self.width() >= LEAST_FOR_LEGEND else 0
 
     def _leave_room(self, room: int) -> None:
-        self.getPlotItem().layout.setContentsMargins(4, 8, 12 + room, 4)
+        if room != self._room:  # or all would be laid out anew for every picture
+            self._room = room
+            self.getPlotItem().layout.setContentsMargins(4, 8, 12 + room, 4)
 
     def set_pending(self, is_pending: bool) -> None:
         """Mark the plot as of older parameters, unless the newer one arrives in a moment."""

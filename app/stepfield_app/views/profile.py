@@ -110,7 +110,7 @@ class ProfileView(QWidget):
 
     def _take_width(self, width: float) -> None:
         """Show the width of the band, unless somebody is typing another."""
-        if not self._width.hasFocus():
+        if not self._width.hasFocus() and self._width.value() != width:
             with QSignalBlocker(self._width):
                 self._width.setValue(width)
 

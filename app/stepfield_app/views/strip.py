@@ -68,6 +68,8 @@ class Detail(QLabel):
 
     def say(self, *wordings: str) -> None:
         """Take other wordings, the longest first; the tip always says the longest."""
+        if wordings == self._wordings:
+            return
         self._wordings = wordings
         self.setToolTip(wordings[0] if wordings else "")
         self._fit()
@@ -93,9 +95,10 @@ class Swatch(QWidget):
 
     def set_colour(self, colour: str) -> None:
         """Show another colour."""
-        self._colour = colour
-        self.setVisible(bool(colour))
-        self.update()
+        if colour != self._colour:
+            self._colour = colour
+            self.setVisible(bool(colour))
+            self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802
         """Paint the square."""
