@@ -86,8 +86,11 @@ def margins(field: StepField, layer: Integers, pillars: Integers) -> Floats:
 def _around(field: StepField, members: Integers, chosen: Integers) -> tuple[Integers, Floats, Floats]:
     """Compartments without a member of the layer where most of those around are chosen, and their spans."""
     grid = field.compartments.grid
+    taken = Taken.of(
+        field.compartment[members], around=field.compartment[chosen], reach=2 * (grid.columns + 1)
+    )
+    chosen = chosen[_is_at_a_rim(grid, field.compartment[chosen], taken)]
     beside, which = _neighbours(grid, field.compartment[chosen])
-    taken = Taken.of(field.compartment[members], around=beside, reach=grid.columns + 1)
     is_empty = ~taken.has(beside)
     beside, which = beside[is_empty], chosen[which[is_empty]]
     order = np.argsort(beside, kind="stable")
@@ -98,16 +101,27 @@ def _around(field: StepField, members: Integers, chosen: Integers) -> tuple[Inte
     cell, votes = beside[starts], np.diff(starts, append=len(beside))
     others, voter = _neighbours(grid, cell)
     held = np.bincount(voter[taken.has(others)], minlength=len(cell))
-    low, high = np.minimum.reduceat(field.low[which], starts), np.maximum.reduceat(field.high[which], starts)
+    low = np.minimum.reduceat(field.lows(which), starts)
+    high = np.maximum.reduceat(field.highs(which), starts)
     wins = 2 * votes > held
     return cell[wins], low[wins], high[wins]
+
+
+def _is_at_a_rim(grid: Grid, compartment: Integers, taken: Taken) -> NDArray[np.bool_]:
+    """Whether one of those around each of some compartments is not taken, or may be beyond the grid."""
+    inner = np.ones(len(compartment), bool)
+    for down, right in AROUND:
+        inner &= taken.has(compartment + (down * grid.columns + right))
+    _, column = grid.row_column(compartment)
+    at_rim: NDArray[np.bool_] = ~inner | (column == 0) | (column == grid.columns - 1)
+    return at_rim
 
 
 def _is_free(field: StepField, cell: Integers, low: Floats, high: Floats) -> NDArray[np.bool_]:
     """Whether no pillar of a compartment reaches into a span of elevations, metres above the lowest point."""
     place, pillar = standing_in(field, cell)
-    meets = field.low[pillar] <= high[place] + 2 * ROUNDING
-    meets &= field.high[pillar] >= low[place] - 2 * ROUNDING
+    meets = field.lows(pillar) <= high[place] + 2 * ROUNDING
+    meets &= field.highs(pillar) >= low[place] - 2 * ROUNDING
     is_free = np.ones(len(cell), bool)
     is_free[place[meets]] = False
     return is_free

@@ -30,7 +30,7 @@ from stepfield.parameters import Parameters
 from stepfield.pillars import StepField, build_pillars
 from stepfield.progress import Progress, part, silent
 from stepfield.project import LayerStyle, Move
-from stepfield.reconstruction import Members, Reconstruction, filled_of, layers_of, members_of
+from stepfield.reconstruction import Cutting, Members, Reconstruction, filled_of, layers_of
 from stepfield.scan import Scan, cleaned, read_scan
 
 Made = TypeVar("Made")
@@ -107,7 +107,8 @@ class Pipeline:
         automatic = self._classified(field, parameters, share)
         edited = self._edited(field, automatic, moves, part(progress, 0.85, 0.95))
         links = self._linked(field, edited, parameters)
-        members = self._once("members", edited, (), lambda: members_of(field.made, edited.made.layering))
+        cutting = self._once("cutting", field, (), lambda: Cutting(field.made)).made
+        members = self._once("members", edited, (), lambda: cutting.members(edited.made.layering))
         progress(0.96, "filling holes")
         filled = self._filled(field, members, parameters)
         alpha = _metres(parameters.alpha)

@@ -62,8 +62,8 @@ def covered(field: StepField, boxes: Floats) -> Coverage:
     box, compartment, area = _shared_area(field.compartments.grid, boxes)
     place, pillar = standing_in(field, compartment)
     low, high = (boxes[:, side][box] - field.compartments.lowest for side in (4, 5))
-    overlap = np.minimum(high[place], field.high[pillar])
-    overlap -= np.maximum(low[place], field.low[pillar])
+    overlap = np.minimum(high[place], field.highs(pillar))
+    overlap -= np.maximum(low[place], field.lows(pillar))
     meets = overlap >= -ROUNDING
     place, pillar, overlap = place[meets], pillar[meets], overlap[meets]
     # A rectangle speaks for one pillar of a compartment: the one its elevation span overlaps most.
@@ -112,7 +112,8 @@ def occupants(field: StepField, layer: Integers, pillars: Integers, target: int)
     """
     found = np.full(len(pillars), -1)
     for step in (1, -1):  # up the compartment, then down it
-        seeker, at = np.arange(len(pillars)), pillars + step
+        seeker = np.flatnonzero(found < 0)
+        at = pillars[seeker] + step
         while len(seeker):
             is_inside = (at >= 0) & (at < len(field))
             seeker, at = seeker[is_inside], at[is_inside]
@@ -166,5 +167,7 @@ def standing_in(field: StepField, compartment: Integers) -> tuple[Integers, Inte
 
 def _counted_out(sizes: Integers) -> tuple[Integers, Integers]:
     """Index of each of many runs repeated by its size, and 0, 1, 2 … within the run."""
+    if (sizes == 1).all():  # boxes of this very grid
+        return np.arange(len(sizes)), np.zeros(len(sizes), np.int64)
     which = np.repeat(np.arange(len(sizes)), sizes)
     return which, np.arange(len(which)) - np.repeat(np.cumsum(sizes) - sizes, sizes)

@@ -147,14 +147,51 @@ class Members:
     is_obstacles: bool = False
 
 
+class Cutting:
+    """Cuts a step-field into one step-field a layer (5.3.2). For one thread at a time.
+
+    Layers that are those of the last layering stay the very same values: an edit concerns two of many.
+
+    Parameters
+    ----------
+    field : StepField
+    """
+
+    def __init__(self, field: StepField) -> None:
+        self._field = field
+        self._last: tuple[Layering, list[Members]] | None = None
+
+    def members(self, layering: Layering) -> list[Members]:
+        """Cut by a layering."""
+        known = self._known(layering)
+        made = [known.get(index) or self._cut(layering, index) for index in range(layering.count)]
+        self._last = layering, made
+        return made
+
+    def _known(self, layering: Layering) -> dict[int, Members]:
+        """Layers that are as they were."""
+        if self._last is None:
+            return {}
+        before, members = self._last
+        differs = np.flatnonzero(before.layer != layering.layer)
+        count = min(before.count, layering.count)
+        touched = np.zeros(max(before.count, layering.count) + 1, bool)  # the last one is of Unassigned
+        touched[before.layer[differs]] = touched[layering.layer[differs]] = True
+        return {
+            index: members[index]
+            for index in np.flatnonzero(~touched[:count]).tolist()
+            if members[index].is_obstacles == (index in layering.obstacles)
+        }
+
+    def _cut(self, layering: Layering, index: int) -> Members:
+        pillars = layering.members(index)
+        elevation = self._field.elevation[pillars]
+        return Members(pillars, elevation, float(elevation.max(initial=0.0)), index in layering.obstacles)
+
+
 def members_of(field: StepField, layering: Layering) -> list[Members]:
-    """Cut the step-field into one step-field a layer (5.3.2)."""
-    chosen = [layering.members(index) for index in range(layering.count)]
-    elevations = [field.elevation[pillars] for pillars in chosen]
-    return [
-        Members(pillars, elevation, float(elevation.max(initial=0.0)), index in layering.obstacles)
-        for index, (pillars, elevation) in enumerate(zip(chosen, elevations, strict=True))
-    ]
+    """Cut a step-field by one layering."""
+    return Cutting(field).members(layering)
 
 
 def filled_of(field: StepField, members: Sequence[Members], parameters: Parameters) -> tuple[Filled, ...]:

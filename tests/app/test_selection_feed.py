@@ -11,6 +11,8 @@ from pytestqt.qtbot import QtBot
 from tests.app.scenes_made import UTM, table
 from tests.app.stubs import Bench
 
+from stepfield.layers import UNASSIGNED
+from stepfield.moving import move_to
 from stepfield_app.feeds.selection_feed import AtPlaces, Chosen, SelectionFeed
 from stepfield_app.render.outline import PLACE, SELECTION
 from stepfield_app.render.scene import CLOUD, PILLARS, VIEWS, Singles
@@ -107,6 +109,33 @@ def test_a_selection_that_is_carried_over_is_outlined_anew(bench: Outlined) -> N
     assert before is not None
     assert after is not None
     assert len(after) > len(before)
+
+
+def test_an_edit_leaves_the_outline_unless_it_hides_some_of_it(bench: Outlined) -> None:
+    """It costs as much as a new one, and the same processors are to show the edit."""
+    bench.selection.all_of(1)
+    bench.rest()
+    before, result = bench.segments(), bench.answer.result
+
+    def move() -> None:
+        chosen = np.zeros(len(result.field), bool)
+        chosen[result.layering.members(1)[:3]] = True
+        plan = move_to(result, chosen, UNASSIGNED)
+        bench.document.edit(plan.text, plan.applied(bench.document.project))
+        bench.settle()
+        bench.rest()
+
+    move()
+    assert bench.segments() is before
+    bench.document.undo_stack.undo()
+    bench.settle()
+    bench.feed.set_visible((0, 1))
+    bench.rest()
+    move()
+    after = bench.segments()
+    assert before is not None
+    assert after is not None
+    assert not np.array_equal(after, before), "what went to Unassigned is not shown"
 
 
 def test_a_place_has_an_outline_of_its_own_until_another_result_comes(bench: Outlined) -> None:

@@ -122,6 +122,19 @@ def test_a_move_between_layers_cuts_other_seams_but_links_stay(table: Path, ran:
     assert np.array_equal(edited.links, fresh.links)
 
 
+def test_layers_that_an_edit_leaves_alone_stay_the_very_same(table: Path) -> None:
+    """Whoever draws them need not look at them again; of those it touches none may be stale."""
+    pipeline = Pipeline()
+    first = pipeline.run([table], BASE)
+    for moves in ([moved(first, "unassigned")], [], [moved(first, {"new": "Layer 9"})], []):
+        edited, fresh = pipeline.run([table], BASE, moves), Pipeline().run([table], BASE, moves)
+        assert edited.layers[0].pillars is first.layers[0].pillars
+        for ours, theirs in zip(edited.layers, fresh.layers, strict=True):
+            assert np.array_equal(ours.pillars, theirs.pillars)
+            assert np.array_equal(ours.elevation, theirs.elevation)
+        assert edited.max_height == fresh.max_height
+
+
 def test_links_are_found_when_asked_for(table: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A slider that looks for links nobody sees takes twice as long to follow."""
     looked: list[int] = []

@@ -10,7 +10,7 @@ from tests.conftest import scan_of
 
 from stepfield.compartments import sort_into_compartments
 from stepfield.layers import classify
-from stepfield.margins import margins
+from stepfield.margins import AROUND, margins
 from stepfield.pillars import StepField, build_pillars
 from stepfield.places import ROUNDING, best_of_runs, occupants, pillars_in
 
@@ -80,6 +80,33 @@ def test_margins_reach_no_pillar_of_their_own_grid(seed: int, share: float) -> N
     boxes = np.vstack([field.boxes(chosen), around])
     assert np.array_equal(pillars_in(field, boxes, one_only=False), chosen)
     assert len(np.unique(around[:, [0, 1, 4]], axis=0)) == len(around)
+
+
+@settings(max_examples=30, deadline=None)
+@given(seeds, st.floats(0.05, 0.95))
+def test_margins_are_found_at_every_rim(seed: int, share: float) -> None:
+    """Compartment by compartment: one that most of those around it are chosen goes with them."""
+    field = field_of(3, 0.2)
+    layer, rng = classify(field).layer, np.random.default_rng(seed)
+    grid, chosen = field.compartments.grid, rng.random(len(field)) < share
+    expected = []
+    for number in np.unique(layer[chosen]):
+        members = {int(field.compartment[at]): int(at) for at in np.flatnonzero(layer == number)}
+        for cell in set(range(len(grid))) - set(members):
+            row, column = divmod(cell, grid.columns)
+            inside = [(row + down, column + right) for down, right in AROUND]
+            around = [r * grid.columns + c for r, c in inside if 0 <= c < grid.columns]
+            held = [members[beside] for beside in around if beside in members]
+            taken = [at for at in held if chosen[at]]
+            if 2 * len(taken) > len(held):
+                low, high = field.lows(np.array(taken)).min(), field.highs(np.array(taken)).max()
+                own = np.flatnonzero(field.compartment == cell)
+                if not ((field.lows(own) <= high + 2e-6) & (field.highs(own) >= low - 2e-6)).any():
+                    expected.append((cell, round(float(low), 9), round(float(high), 9)))
+    found = margins(field, layer, np.flatnonzero(chosen))
+    middles, spans = found[:, :2] + grid.cell_size / 2, found[:, 4:] - field.compartments.lowest
+    cells = grid.compartment(middles[:, 0] - grid.west, middles[:, 1] - grid.south)
+    assert sorted(zip(cells.tolist(), *spans.round(9).T.tolist(), strict=True)) == sorted(expected)
 
 
 def test_a_wall_one_compartment_wide_is_found_on_a_coarser_grid() -> None:

@@ -27,6 +27,10 @@ class _Wish:
     mask: NDArray[np.bool_]
     layer: int
 
+    def is_as(self, other: _Wish) -> bool:
+        """Whether the same cells are to be outlined."""
+        return self.result is other.result and self.mask is other.mask and self.layer == other.layer
+
 
 class MarkedFeed(QObject):
     """Keeps the outlines true to the selection.
@@ -43,6 +47,7 @@ class MarkedFeed(QObject):
     def __init__(self, selection: Selection, map_view: MapView, profile: ProfileView) -> None:
         super().__init__(selection)
         self._selection, self._map, self._profile = selection, map_view, profile
+        self._shown: _Wish | None = None
         self._cells = NewestWins[_Wish, "Marked | None"](_marked, "selection in the map", self)
         self._cells.answered.connect(self._show_cells)
         self._cells.failed.connect(lambda _, error: self.failed.emit(error))
@@ -67,12 +72,16 @@ class MarkedFeed(QObject):
         selection = self._selection
         if selection.mask is None or selection.result is None or not selection.count:
             self._cells.cancel()
+            self._shown = None
             self._map.plot.selected.set_marked(None)
-        else:
-            self._cells.ask(_Wish(selection.result, selection.mask, self._map.layer))
+            return
+        wish = _Wish(selection.result, selection.mask, self._map.layer)
+        if self._shown is None or self._cells.busy or not wish.is_as(self._shown):
+            self._cells.ask(wish)
 
     def _show_cells(self, wish: _Wish, cells: Marked | None) -> None:
         if self._selection.count:
+            self._shown = wish
             self._map.plot.selected.set_marked(cells)
 
     def _outline(self) -> None:

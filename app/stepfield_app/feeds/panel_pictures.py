@@ -96,4 +96,4 @@ class PanelDrawing:
 
 
 def _shows(drawn: _Drawn | None, pillars: NDArray[np.int64]) -> bool:
-    return drawn is not None and np.array_equal(drawn.pillars, pillars)
+    return drawn is not None and (drawn.pillars is pillars or np.array_equal(drawn.pillars, pillars))

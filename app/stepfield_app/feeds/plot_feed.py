@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, QTimer, Signal
 
 from stepfield_app.document import Document
 from stepfield_app.feeds.hurry import Hurry
@@ -29,6 +29,8 @@ from stepfield_app.views.profile import ProfileView
 
 #: Seconds between two profiles: the map and the panel of a new result come first.
 PROFILE_PACE = 0.25
+#: Milliseconds by which they go before the profile of an edit, which takes long to be painted.
+COURTESY = 120
 
 
 class PlotFeed(QObject):
@@ -52,6 +54,8 @@ class PlotFeed(QObject):
         self._maps = self._worker(map_picture, "map", self._show_map)
         self._panels = self._worker(PanelDrawing(), "layers panel", self._show_panel)
         self._sections = self._worker(Cutting(), "profile", self._show_section, PROFILE_PACE)
+        self._courtesy = QTimer(self, singleShot=True, interval=COURTESY)
+        self._courtesy.timeout.connect(self._cut)
         document.answer_changed.connect(self._take)
         document.opened.connect(self._begin)
         self._hurry = Hurry(document, self)
@@ -73,7 +77,7 @@ class PlotFeed(QObject):
     @property
     def is_idle(self) -> bool:
         """Whether everything asked for has been handed over."""
-        return not any(worker.busy for worker in self._workers)
+        return not self._courtesy.isActive() and not any(worker.busy for worker in self._workers)
 
     @property
     def _workers(self) -> tuple[NewestWins[Any, Any], ...]:
@@ -93,6 +97,7 @@ class PlotFeed(QObject):
     # --- Asking ---------------------------------------------------------------------------------------------
 
     def _take(self, answer: Answer | None) -> None:
+        self._courtesy.stop()
         if answer is None:
             for worker in self._workers:
                 worker.forget()
@@ -102,7 +107,10 @@ class PlotFeed(QObject):
             return
         self._draw(self._map.layer, self._map.mode)
         self._draw_panel(answer)
-        self._cut()
+        if self._document.held:
+            self._cut()
+        else:
+            self._courtesy.start()
 
     def _hold(self, hurries: bool) -> None:
         """Draw all there is once a hand has stopped; of what is still pending an answer comes in a moment."""
@@ -140,6 +148,7 @@ class PlotFeed(QObject):
             self._maps.ask(MapWish(answer, layer, mode, self._colours(answer), hurries, self._facts))
 
     def _cut(self) -> None:
+        self._courtesy.stop()
         answer, cloud, line = self._document.answer, self._scene_feed.cloud, self._map.line
         if answer is not None and cloud is not None and line is not None:
             self._sections.ask(SectionWish(answer, cloud, line, self._colours(answer)))

@@ -190,9 +190,17 @@ class _Outlining:
     def _rim(self, kind: str, chosen: Chosen | AtPlaces, wish: _Wish) -> Rim:
         if kind in self._made:
             before, earlier, made = self._made[kind]
-            same = before.mask is chosen.mask and before.result is chosen.result
+            same = before.mask is chosen.mask and _are_alike(before.result, chosen.result, wish.visible)
             if same and earlier.origin is wish.origin and earlier.visible == wish.visible:
                 return made
         made = rim(chosen.result, chosen.mask, wish.origin, wish.visible)
         assert made.whole is not None  # put together here rather than on the thread of the window
         return made
+
+
+def _are_alike(before: Reconstruction, now: Reconstruction, visible: tuple[int, ...]) -> bool:
+    """Whether pillars have the same outline in two results: where all layers are shown, any edit will do."""
+    if before is now:
+        return True
+    layers = set(range(-1, max(len(before.layers), len(now.layers))))
+    return before.field is now.field and before.parameters == now.parameters and layers <= set(visible)

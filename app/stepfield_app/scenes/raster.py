@@ -182,10 +182,12 @@ def _highest(part: Pixels, side: int) -> Floats:
     grid = part.grid
     factor = max(1, -(-max(grid.rows, grid.columns) // side))
     rows, columns = -(-grid.rows // factor), -(-grid.columns // factor)
-    row, column = grid.row_column(part.compartment)
+    own = np.full(len(grid), -np.inf)
+    own[part.compartment] = part.elevation  # of several in a compartment the last one stays: the highest
     whole = np.full((rows * factor, columns * factor), -np.inf)
-    whole[row, column] = part.elevation  # of several in a compartment the last one stays: the highest
-    small: Floats = whole.reshape(rows, factor, columns, factor).max(axis=(1, 3))
+    whole[: grid.rows, : grid.columns] = own.reshape(grid.rows, grid.columns)
+    strips = whole.reshape(rows, factor, columns * factor).max(axis=1)  # one axis at a time is quicker
+    small: Floats = strips.reshape(rows, columns, factor).max(axis=2)
     small[np.isneginf(small)] = np.nan
     return small
 

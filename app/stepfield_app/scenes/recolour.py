@@ -183,7 +183,7 @@ def _over(before: Coloured, now: Coloured, moved: Integers, origin: Floats, join
             high[these],
             rows * columns,
         )
-        for layer in np.unique(old)
+        for layer in np.flatnonzero(np.bincount(old - UNASSIGNED)) + UNASSIGNED
         for these in [np.flatnonzero(old == layer)]
     )
     side = grid.cell_size * (1 << joined)
@@ -236,7 +236,8 @@ def _recolour(
     row, column, height = (each.reshape(-1)[at] for each in (row, column, z))
     place = row.astype(np.int64) * change.columns + column.astype(np.int64)
     slack = np.float32(SLACK * change.side)
-    rows, columns = np.divmod(at, depth.shape[1])
+    rows = at // depth.shape[1]
+    columns = at - rows * depth.shape[1]
     shown = pixels[rows, columns, 2::-1].astype(np.float32)
     for there, colour in _matches(change, place, height, shown, slack):
         pixels[rows[there], columns[there], 2::-1] = colour

@@ -83,17 +83,19 @@ def pixels(result: Reconstruction, layers: Sequence[int], stride: int = 1) -> li
     """Return every ``stride``-th row and column of layers; -1 stands for all pillars in none."""
     field, some = result.field, thinned(result, stride) if stride > 1 else None
     if some is None:
-        chosen = [
-            result.layering.members(UNASSIGNED) if layer == UNASSIGNED else result.layers[layer].pillars
-            for layer in layers
-        ]
-        grid = field.compartments.grid
-        return [
-            Pixels(grid, field.compartment[members], field.elevation[members], members) for members in chosen
-        ]
+        return [_all_pixels(result, layer) for layer in layers]
     their, elevation = result.layering.layer[some.pillars], field.elevation[some.pillars]
     masks = [their == layer for layer in layers]
     return [Pixels(some.grid, some.compartment[mask], elevation[mask], some.pillars[mask]) for mask in masks]
+
+
+def _all_pixels(result: Reconstruction, layer: int) -> Pixels:
+    field, grid = result.field, result.field.compartments.grid
+    if layer == UNASSIGNED:
+        members = result.layering.members(UNASSIGNED)
+        return Pixels(grid, field.compartment[members], field.elevation[members], members)
+    own = result.layers[layer]
+    return Pixels(grid, field.compartment[own.pillars], own.elevation, own.pillars)
 
 
 def filled(result: Reconstruction, layer: int, stride: int = 1) -> Pixels:
