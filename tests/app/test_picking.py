@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,8 @@ from tests.app.scenes_made import UTM, reconstruct, table, table_result
 from stepfield.reconstruction import Reconstruction
 from stepfield.selecting import Reach, of_layer
 from stepfield_app.render.camera import Camera, Point
+from stepfield_app.scenes import lens
+from stepfield_app.scenes.lens import Lens
 from stepfield_app.scenes.picking import InSection, InView, OnMap, Pick, Shape, picked
 
 Floats = NDArray[np.float64]
@@ -222,3 +225,33 @@ def test_the_view_says_the_same_of_a_scan_at_its_own_origin(tmp_path: Path, resu
     there = picked(result, in_view(lasso, seen_from=seen_from), Reach())
     assert np.array_equal(picked(here, InView(seen_from, SIZE, np.zeros(3), BOTH, lasso), Reach()), there)
     assert 0 < there.sum() < FLOOR
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_stroke_takes_the_same_dab_by_dab(result: Reconstruction, seed: int) -> None:
+    """With what it remembers of the dabs before, of another radius and of another camera."""
+    path, used = np.random.default_rng(seed).random((12, 2)) * SIZE, Lens()
+    for radius, seen_from in ((20.0, camera()), (7.0, camera()), (7.0, camera(40.0))):
+        for end in (1, 2, 5, 5, 12):
+            dab = in_view(Shape("brush", path[:end], radius), seen_from=seen_from)
+            by_itself, with_others = (
+                picked(result, dab, Reach()),
+                picked(result, replace(dab, lens=used), Reach()),
+            )
+            assert np.array_equal(with_others, by_itself)
+
+
+def test_a_stroke_looks_at_the_pillars_once(result: Reconstruction, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A brush over a million of them would lag behind the hand."""
+    looks: list[Any] = []
+    look, used = lens._seen, Lens()
+
+    def counted(*given: Any) -> Any:
+        looks.append(given)
+        return look(*given)
+
+    monkeypatch.setattr(lens, "_seen", counted)
+    for end in range(2, 9):
+        path = np.linspace([100, 100], [300, 200], 20)[:end]
+        picked(result, replace(in_view(Shape("brush", path, 5.0)), lens=used), Reach())
+    assert len(looks) == 1

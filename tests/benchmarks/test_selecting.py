@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from stepfield.pipeline import Pipeline
 from stepfield.reconstruction import Reconstruction
 from stepfield.selecting import Reach, carried, connected, grown, inverted, of_layer, shrunk
 from stepfield_app.render.camera import Camera
+from stepfield_app.scenes.lens import Lens
 from stepfield_app.scenes.picking import InSection, InView, OnMap, Pick, Shape, picked
 from stepfield_app.scenes.selected import Selected
 
@@ -94,6 +96,20 @@ def test_picking(result: Reconstruction, table: Table) -> None:
             taken = int(picked(result, pick, reach).sum())
             took = seconds(lambda pick=pick, reach=reach: picked(result, pick, reach))  # type: ignore[misc]
             table.add(f"{name}, {how}: {taken}", took, "200 ms to the screen", TARGET, "<= 0.5")
+
+
+def test_a_stroke_in_a_view(result: Reconstruction, table: Table) -> None:
+    """Every dab of a brush picks anew all that the stroke has taken so far."""
+    whole = picks(result)["3-D, brush of 20 px"]
+    assert isinstance(whole, InView)
+    lens, length = Lens(), iter(range(2, 300))
+
+    def dab() -> None:
+        shape = replace(whole.shape, path=whole.shape.path[: next(length)])
+        picked(result, replace(whole, shape=shape, lens=lens), EVERYTHING)
+
+    table.add("3-D, brush of 20 px, the first dab", seconds(dab, 1), "200 ms to the screen", TARGET, "<= 0.5")
+    table.add("  each of those that follow", seconds(dab, 50), "200 ms to the screen", TARGET, "<= 0.25")
 
 
 def test_along_surfaces(result: Reconstruction, table: Table) -> None:

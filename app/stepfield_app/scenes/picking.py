@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +10,8 @@ from numpy.typing import NDArray
 from stepfield.reconstruction import Reconstruction
 from stepfield.selecting import Mask, Reach, connected
 from stepfield_app.render.camera import Camera, Point, Size
-from stepfield_app.scenes.arrays import frozen, in_chunks
+from stepfield_app.scenes.arrays import frozen
+from stepfield_app.scenes.lens import Lens, Outlook, visible_mask
 from stepfield_app.scenes.readout import compartment_at
 from stepfield_app.scenes.shapes import Kind as Kind
 from stepfield_app.scenes.shapes import Shape as Shape
@@ -44,6 +44,8 @@ class InView:
         In device pixels.
     place : tuple of 3 floats, optional
         Where a click or surface points at, local coordinates; None points at nothing.
+    lens : Lens, optional
+        One for all dabs of a stroke.
     """
 
     camera: Camera
@@ -52,6 +54,7 @@ class InView:
     visible: tuple[int, ...]
     shape: Shape
     place: Point | None = None
+    lens: Lens | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +160,7 @@ def _block_at(result: Reconstruction, pick: InView, reach: Reach) -> Integers:
     field, grid = result.field, result.field.compartments.grid
     around = grid.cell_size * (np.mgrid[-1:2, -1:2].reshape(2, -1).T) + place[:2]
     pillars = np.unique(np.concatenate([_standing_at(result, x, y) for x, y in around]))
-    pillars = pillars[_visible(result, pick.visible)[pillars]]
+    pillars = pillars[visible_mask(result, pick.visible)[pillars]]
     low, high = field.low[pillars], np.maximum(field.high[pillars], field.elevation[pillars])
     low[np.diff(field.compartment[pillars], prepend=-1) != 0] = -np.inf  # down to the base plane
     up = place[2] - field.compartments.lowest
@@ -183,7 +186,7 @@ def _slice_at(result: Reconstruction, pick: InSection, reach: Reach) -> Integers
     slices = Slices.under(result, pick.start, pick.end)
     distance = np.hypot(*np.maximum(np.abs(slices.middle - pick.shape.path[-1]) - slices.half, 0).T)
     slack = SLACK * result.field.compartments.grid.cell_size
-    near = (distance <= slack) & _visible(result, pick.visible)[slices.pillar]
+    near = (distance <= slack) & visible_mask(result, pick.visible)[slices.pillar]
     pillars = slices.pillar[near]
     return _nearest(pillars, distance[near], reach.mask(result)[pillars], slack)
 
@@ -198,25 +201,8 @@ def _nearest(pillars: Integers, distance: Floats, within: Mask, slack: float) ->
 
 def _in_view(result: Reconstruction, pick: InView, reach: Reach) -> Integers:
     """Pillars whose top the picture shows in the shape, whether or not something stands before it."""
-    there = np.flatnonzero(reach.mask(result) & _visible(result, pick.visible))
-    pixels, depth, tops = np.empty((len(there), 2)), np.empty(len(there)), _Tops(result, pick.origin)
-
-    def project(part: slice) -> None:
-        pixels[part], depth[part] = pick.camera.project(tops(there[part]), pick.size)
-
-    in_chunks(len(there), project)
-    if pick.shape.kind == "brush":
-        return there[pick.shape.touches(pixels, _half_tops(result, pick, depth))]
-    return there[pick.shape.covers(pixels)]
-
-
-def _half_tops(result: Reconstruction, pick: InView, depth: Floats) -> Floats:
-    """Half the side of tops in pixels, as if seen from above; shape (n, 1)."""
-    half = result.field.compartments.grid.cell_size / 2 / pick.camera.metres_per_pixel(pick.size)
-    if pick.camera.parallel:
-        return np.full((len(depth), 1), half)
-    nearest = half * pick.camera.distance / max(pick.size)  # nearer ones are larger than the picture
-    return (half * pick.camera.distance / np.maximum(depth, nearest))[:, np.newaxis]
+    outlook = Outlook(pick.camera, pick.size, pick.origin, pick.visible, reach)
+    return (pick.lens or Lens()).covered(result, outlook, pick.shape)
 
 
 def _on_map(result: Reconstruction, pick: OnMap, reach: Reach) -> Mask:
@@ -235,31 +221,7 @@ def _in_section(result: Reconstruction, pick: InSection, reach: Reach) -> Intege
     else:
         taken = shape.covers(slices.top)
     pillars = slices.pillar[taken]
-    return pillars[(reach.mask(result) & _visible(result, pick.visible))[pillars]]
-
-
-class _Tops:
-    """Middles of the tops of pillars, local coordinates: looked up by compartment, so quick for many."""
-
-    def __init__(self, result: Reconstruction, origin: Floats) -> None:
-        field, cells = result.field, result.field.compartments
-        self._centres = cells.grid.centres(cells.occupied) - origin[:2]
-        self._place = np.repeat(np.arange(len(cells.occupied)), np.diff(field.first))
-        self._elevation, self._shift = field.elevation, cells.lowest - origin[2]
-
-    def __call__(self, chosen: Integers) -> Floats:
-        tops = np.empty((len(chosen), 3))
-        tops[:, :2] = self._centres.take(self._place.take(chosen), axis=0)
-        tops[:, 2] = self._elevation.take(chosen) + self._shift
-        return tops
-
-
-def _visible(result: Reconstruction, layers: Collection[int]) -> Mask:
-    """Mask of the pillars of layers, -1 for those in none."""
-    shown = np.zeros(result.layering.count + 1, bool)  # the last one is that of Unassigned
-    shown[[layer for layer in layers if layer < result.layering.count]] = True
-    visible: Mask = shown[result.layering.layer]
-    return visible
+    return pillars[(reach.mask(result) & visible_mask(result, pick.visible))[pillars]]
 
 
 def _standing_at(result: Reconstruction, x: float, y: float) -> Integers:

@@ -11,6 +11,7 @@ from PySide6.QtCore import QPointF
 from PySide6.QtWidgets import QWidget
 
 from stepfield_app.feeds.scene_feed import SceneFeed
+from stepfield_app.scenes.lens import Lens
 from stepfield_app.scenes.picking import InSection, InView, OnMap, Pick
 from stepfield_app.scenes.readout import pillars_at
 from stepfield_app.scenes.shapes import Kind, Shape
@@ -33,8 +34,10 @@ class Ground(Protocol):
     def is_over(self, at: QPointF) -> bool:
         """Whether there is anything to select at a pixel's place."""
 
-    def pick(self, kind: Kind, path: Sequence[QPointF], radius: float) -> Pick | None:
-        """Return what a shape means here; None where nothing is shown."""
+    def pick(
+        self, kind: Kind, path: Sequence[QPointF], radius: float, lens: Lens | None = None
+    ) -> Pick | None:
+        """Return what a shape means here; None where nothing is shown. A stroke has one lens for all."""
 
     def has_selected(self, at: QPointF) -> bool:
         """Whether the pillar at a pixel is selected."""
@@ -53,7 +56,9 @@ class CanvasGround:
         """Whether there is a picture."""
         return self._canvas.frame is not None
 
-    def pick(self, kind: Kind, path: Sequence[QPointF], radius: float) -> Pick | None:
+    def pick(
+        self, kind: Kind, path: Sequence[QPointF], radius: float, lens: Lens | None = None
+    ) -> Pick | None:
         """Return the shape in device pixels, with what the picture shows at its end."""
         ratio, canvas = self._canvas.devicePixelRatioF(), self._canvas
         return InView(
@@ -63,6 +68,7 @@ class CanvasGround:
             visible=tuple(self._visible()),
             shape=Shape(kind, _array(path) * ratio, radius * ratio),
             place=canvas.place_at(path[-1]),
+            lens=lens,
         )
 
     def has_selected(self, at: QPointF) -> bool:
@@ -91,7 +97,9 @@ class MapGround:
         """Whether it is within the axes of a map."""
         return self.view.plot.is_over(at)
 
-    def pick(self, kind: Kind, path: Sequence[QPointF], radius: float) -> Pick | None:
+    def pick(
+        self, kind: Kind, path: Sequence[QPointF], radius: float, lens: Lens | None = None
+    ) -> Pick | None:
         """Return the shape in metres."""
         across, _ = self.view.plot.pane.viewPixelSize()
         places = self.view.plot.places_at(_array(path))
@@ -115,7 +123,9 @@ class ProfileGround:
         """Whether it is within the axes of a profile."""
         return self._view.section is not None and self._view.plot.is_over(at)
 
-    def pick(self, kind: Kind, path: Sequence[QPointF], radius: float) -> Pick | None:
+    def pick(
+        self, kind: Kind, path: Sequence[QPointF], radius: float, lens: Lens | None = None
+    ) -> Pick | None:
         """Return the shape in metres along the line and of elevation."""
         section, plot = self._view.section, self._view.plot
         if section is None:

@@ -150,8 +150,8 @@ class SelectingTool(Tool[Any]):
             self._take(kind, self._stroke.path, self._stroke.how, self._stroke)
         self._repaint()
 
-    def _take(self, kind: Kind, path: Sequence[QPointF], how: How, gesture: object | None = None) -> None:
-        pick = self.ground.pick(kind, path, self._choice.radius)
+    def _take(self, kind: Kind, path: Sequence[QPointF], how: How, gesture: Stroke | None = None) -> None:
+        pick = self.ground.pick(kind, path, self._choice.radius, gesture.lens if gesture else None)
         if pick is not None:
             self._selection.pick(pick, how, gesture)
 

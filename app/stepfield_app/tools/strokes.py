@@ -8,6 +8,7 @@ from typing import Literal
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen, QPolygonF
 
+from stepfield_app.scenes.lens import Lens
 from stepfield_app.scenes.shapes import Kind
 from stepfield_app.theme import HALO, Theme, rgb
 from stepfield_app.views.tool import Hand
@@ -50,6 +51,7 @@ class Stroke:
         self.kind: Kind = kind
         self.how, self.radius = how, radius
         self.path = [hand.at]
+        self.lens = Lens()
 
     @property
     def grows(self) -> bool:
