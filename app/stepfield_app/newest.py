@@ -18,6 +18,7 @@ from PySide6.QtCore import QObject, Qt, QTimer, Signal
 from stepfield.errors import Cancelled, StepfieldError
 from stepfield.progress import Progress
 from stepfield_app.spare import give_back
+from stepfield_app.urgency import give_way
 
 Asked = TypeVar("Asked")
 Answered = TypeVar("Answered")
@@ -182,6 +183,7 @@ class NewestWins(QObject, Generic[Asked, Answered]):
 
     def _work(self) -> None:
         """Do one job after the other; the body of the thread."""
+        give_way()
         while (job := self._next()) is not None:
             if not isinstance(job, _Job):
                 job()

@@ -43,10 +43,9 @@ from stepfield_app.render.protocol import (
 from stepfield_app.render.scene import EMPTY
 from stepfield_app.render.store import mapped, mapped_bytes, remove
 from stepfield_app.render.subject import Subject
+from stepfield_app.urgency import give_way_altogether
 
 Say = Callable[[Message], None]
-#: How much less urgent than the window's own work the drawing is, on the scale of ``nice``.
-NICE = 5
 
 
 class Canvases:
@@ -212,15 +211,9 @@ def speaker() -> Say:
     return say
 
 
-def yield_to_the_window() -> None:
-    """Let the window go first where both want the processor."""
-    if hasattr(os, "nice"):
-        os.nice(NICE)
-
-
 def main(folders: Sequence[str]) -> None:
     """Draw until the window is gone."""
-    yield_to_the_window()
+    give_way_altogether()
     say = speaker()
 
     def end() -> None:
