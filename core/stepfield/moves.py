@@ -114,6 +114,17 @@ class Replay:
         layering = replace(self._automatic, layer=layer, count=state.count, obstacles=state.obstacles)
         return Edited(layering, dict(self._state.made), tuple(step.outcome for step in self._steps))
 
+    @property
+    def state(self) -> State:
+        """The layering as it is now; the next move changes it."""
+        return self._state
+
+    def go_on(self, move: Move) -> Step:
+        """Apply one move more."""
+        self._taken.clear()
+        self._steps.append(step := self._applied(move))
+        return step
+
     def _shared_with(self, moves: Sequence[Move]) -> int:
         """Count the moves at the beginning that are those of the last sequence."""
         pairs = zip(self._steps, moves, strict=False)

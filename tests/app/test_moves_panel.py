@@ -10,9 +10,9 @@ from pytestqt.qtbot import QtBot
 from tests.app.editing import Desk
 
 from stepfield.moves import Outcome
-from stepfield.project import ExistingLayer, Move, NewLayer
+from stepfield.project import ExistingLayer, Move
 from stepfield_app.panels.moves import MovesPanel
-from stepfield_app.panels.moves_model import MoveRole, MoveRow, MovesModel, told, why_it_stays
+from stepfield_app.panels.moves_model import MoveRole, MoveRow, MovesModel, told
 from stepfield_app.theme import LIGHT
 
 pytestmark = pytest.mark.qt_log_ignore("propagateSizeHints")  # which the platform without a screen lacks
@@ -99,23 +99,47 @@ def test_an_edit_taken_out_comes_back_with_undo(desk: Desk, panel: MovesPanel) -
     assert len(rows(panel)) == 2
 
 
-def test_an_edit_that_renumbered_layers_stays(desk: Desk, panel: MovesPanel) -> None:
-    """Names and colours would stand at other layers afterwards."""
-    desk.editor.exchange(0, 1)
+def take_out(desk: Desk, panel: MovesPanel, at: int) -> None:
+    """Choose an edit of the list and press Del."""
+    panel.view.setCurrentIndex(panel.view.model().index(at, 0))
+    QTest.keyClick(panel.view, Qt.Key.Key_Delete)
     desk.settle()
-    panel.view.setCurrentIndex(panel.view.model().index(0, 0))
-    assert not panel.remove.isEnabled()
-    assert panel.remove.toolTip() == "It gave layers other numbers: undo it instead"
-    panel.remove_current()
-    assert len(desk.document.project.moves) == 1
 
 
-def test_a_layer_made_before_others_cannot_be_taken_out() -> None:
-    """The layers made later would get other numbers than their names know."""
-    first, second = (Move(to=NewLayer(new=name)) for name in ("one", "two"))
-    assert why_it_stays((first, second), 0, Outcome())
-    assert not why_it_stays((first, second), 1, Outcome())
-    assert not why_it_stays((first, second), 0, Outcome(reason="it did nothing"))
+def test_an_edit_that_renumbered_layers_can_be_taken_out(desk: Desk, panel: MovesPanel) -> None:
+    """One merge too many would cost all that came after it; undone, the file is what it was."""
+    before = desk.counts
+    desk.document.set_style("Rename", 2, name="shelf")
+    desk.editor.merge(1, 0)
+    desk.settle()
+    desk.select(1, 40)
+    desk.editor.move_to(-1)
+    desk.settle()
+    edited = desk.document.project
+    assert [style.index for style in edited.layers] == [1]
+    take_out(desk, panel, 0)
+    assert desk.steps[-1].startswith("Remove edit: Merge")
+    assert desk.counts == [before[0], before[1], before[2] - 40]
+    assert desk.document.style(2).name == "shelf"
+    assert len(rows(panel)) == 1
+    desk.undo()
+    assert desk.document.project.content() == edited.content()
+
+
+def test_an_edit_that_later_ones_need_stays_and_says_why(desk: Desk, panel: MovesPanel) -> None:
+    """A layer cannot be merged that nobody has made."""
+    desk.select(1, 40)
+    desk.editor.new_layer(move_selection=True)
+    desk.settle()
+    desk.editor.merge(3, 0)
+    desk.settle()
+    moves = desk.document.project.moves
+    take_out(desk, panel, 0)
+    assert desk.document.project.moves is moves
+    assert desk.told[-1].startswith("“Merge Layer 4 into Layer 1” would no longer fit: ")
+    take_out(desk, panel, 1)
+    take_out(desk, panel, 0)
+    assert not desk.document.project.moves
 
 
 @pytest.mark.parametrize(

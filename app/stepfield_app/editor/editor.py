@@ -13,11 +13,12 @@ from PySide6.QtCore import QObject, Signal
 from stepfield.layers import UNASSIGNED
 from stepfield.moving import Plan, free_name
 from stepfield.project import Move
+from stepfield.taking_out import TakenOut
 from stepfield_app.document import Document
 from stepfield_app.edit import Gesture
 from stepfield_app.editor.previews import Previews
 from stepfield_app.editor.situation import REST, Conflict, Situation
-from stepfield_app.editor.wishes import Wish, Wishes
+from stepfield_app.editor.wishes import CHANGED_MEANWHILE, Wish, Wishes
 from stepfield_app.theme import layer_colour
 from stepfield_app.wording import counted
 
@@ -185,6 +186,11 @@ class Editor(QObject):
             Wish(lambda now: now.remove(layer), partial(self.carry_out, heir=layer - 1), (layer,))
         )
 
+    def take_out(self, at: int) -> None:
+        """Take an edit out from among the others, or tell which of them needs it."""
+        moves = self._document.project.moves
+        self._wishes.want(Wish(lambda now: now.without(moves, at), partial(self._go_on_without, moves[at])))
+
     def set_locked(self, layer: int, is_locked: bool) -> None:
         """Keep pillars from going into or out of a layer, or no more."""
         verb, name = "Lock" if is_locked else "Unlock", self.name_of(layer)
@@ -213,6 +219,17 @@ class Editor(QObject):
         self._document.edit(plan.text, plan.applied(self._document.project), gesture)
         self._follow(plan.numbers, heir)
         self.told.emit(_account(plan))
+
+    def _go_on_without(self, move: Move, found: TakenOut) -> None:
+        """Make the project without a move an undo step."""
+        project = self._document.project
+        if found.reason:
+            self.told.emit(_sentence(found.reason))
+        elif len(found.moves) == len(project.moves) - 1 and any(move is one for one in project.moves):
+            self._document.edit(f"Remove edit: {move.text}", found.applied(project))
+            self._follow(found.numbers, 0)
+        else:
+            self.told.emit(CHANGED_MEANWHILE)
 
     def _carry_out_as(self, text: str, gesture: Gesture, plan: Plan) -> None:
         """Make a plan a part of a step of another name."""

@@ -13,6 +13,7 @@ from stepfield.moves import pillars_in
 from stepfield.moving import Plan
 from stepfield.project import Move
 from stepfield.reconstruction import Reconstruction
+from stepfield.taking_out import TakenOut, take_out
 
 Conflict = Literal["swap", "leave"]
 Mask = NDArray[np.bool_]
@@ -81,6 +82,10 @@ class Situation:
     def remove(self, layer: int) -> Plan:
         """Plan to take a layer away."""
         return moving.remove(self.result, layer, self.locked)
+
+    def without(self, moves: tuple[Move, ...], at: int) -> TakenOut:
+        """Take one of the moves that led to the result out from among the others."""
+        return take_out(self.result.field, self.result.automatic, moves, at)
 
     def standing_at(self, move: Move) -> Mask:
         """Mask of the pillars that stand where those of a move were."""

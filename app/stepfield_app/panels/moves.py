@@ -21,7 +21,7 @@ from stepfield_app.controls import named
 from stepfield_app.document import Document
 from stepfield_app.editor import Editor
 from stepfield_app.icons import ICON_SIZE, icon
-from stepfield_app.panels.moves_model import Misfits, MovesModel, model_row, why_it_stays
+from stepfield_app.panels.moves_model import Misfits, MovesModel, model_row
 from stepfield_app.panels.moves_row import ROW_HEIGHT, MoveDelegate
 from stepfield_app.requests import Answer
 from stepfield_app.theme import Theme
@@ -76,12 +76,8 @@ class MovesPanel(QWidget):
 
     def remove_current(self) -> None:
         """Take the edit that is looked at out of the project, undoably."""
-        at, project = self.current, self._document.project
-        if at < 0 or why_it_stays(project.moves, at, self.model.outcome(at)):
-            return
-        moves = (*project.moves[:at], *project.moves[at + 1 :])
-        text = f"Remove edit: {project.moves[at].text}"
-        self._document.edit(text, project.model_copy(update={"moves": moves}))
+        if self.current >= 0:
+            self._editor.take_out(self.current)
 
     def select_current(self) -> None:
         """Select the pillars that stand where those of the edit were."""
@@ -143,9 +139,7 @@ class MovesPanel(QWidget):
     def _offer(self) -> None:
         at = self.current
         self.select.setEnabled(at >= 0 and len(self.model.moves[at].pillars) > 0)
-        reason = why_it_stays(self.model.moves, at, self.model.outcome(at)) if at >= 0 else ""
-        self.remove.setEnabled(at >= 0 and not reason)
-        self.remove.setToolTip(reason or REMOVE)
+        self.remove.setEnabled(at >= 0)
 
     def _look_at(self, current: QModelIndex) -> None:
         at = model_row(self._misfits, current)

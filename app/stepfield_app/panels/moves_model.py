@@ -17,7 +17,7 @@ from PySide6.QtCore import (
 )
 
 from stepfield.moves import Outcome
-from stepfield.project import Move, NewLayer
+from stepfield.project import Move
 from stepfield_app.wording import counted
 
 AnyIndex = QModelIndex | QPersistentModelIndex
@@ -66,23 +66,6 @@ def told(outcome: Outcome) -> str:
         return NOTHING
     more = "".join(f", {number} {what}" for number, what in others)
     return f"{counted(first[0], 'pillar')} {first[1]}{more}"
-
-
-def why_it_stays(moves: Sequence[Move], at: int, outcome: Outcome | None) -> str:
-    """Say why an edit cannot be taken out from among the others; empty where it can.
-
-    Later edits, and the operator's names and colours, go by the numbers of the layers.
-    """
-    move = moves[at]
-    if outcome is not None and not outcome.resolved:
-        return ""
-    is_whole = move.layer is not None and move.above is None
-    if is_whole and not isinstance(move.to, NewLayer):
-        return "It gave layers other numbers: undo it instead"
-    makes = isinstance(move.to, NewLayer)
-    if makes and any(isinstance(later.to, NewLayer) and later.to != move.to for later in moves[at + 1 :]):
-        return "Layers were made after its own: undo them first"
-    return ""
 
 
 class MovesModel(QAbstractListModel):
