@@ -14,10 +14,11 @@ from tests.conftest import scan_of
 from stepfield.compartments import sort_into_compartments
 from stepfield.layers import Layering, classify
 from stepfield.layers.cuts import UP, Ties, lowest, settled
-from stepfield.layers.sheets import PILLARS_A_SEAM
+from stepfield.layers.patches import components
+from stepfield.layers.sheets import PARTED_A_SEAM
 from stepfield.links import link, seams
 from stepfield.pillars import StepField, build_pillars
-from stepfield.synth import synthesise
+from stepfield.synth import SyntheticScan, synthesise
 
 Integers = NDArray[np.int64]
 
@@ -148,7 +149,41 @@ def test_stray_points_under_a_floor_do_not_part_it() -> None:
     layers = np.bincount(layering.layer[floor])
     assert layers.max() >= np.count_nonzero(floor) - len(strays), "half of the floor went up for a few strays"
     sides = 4
-    assert len(strays) * sides * PILLARS_A_SEAM < len(halves) / 2
+    assert len(strays) * sides * PARTED_A_SEAM < len(halves) / 2
+
+
+def test_scanned_planes_stay_together_over_their_strays() -> None:
+    """All but one in 200 of a plane's pillars are in a layer with the rest of their piece."""
+    made = synthesise("three-planes", seed=7, scanner=True)
+    field = build_pillars(sort_into_compartments(scan_of(made.points), 0.1), 0.3)
+    layer = classify(field, "surface", max_layers="none").layer
+    truth = surfaces_of(field, made)
+    links = link(field, truth >= 0, 0.3)
+    one, other = links[truth[links[:, 0]] == truth[links[:, 1]]].T
+    piece = components(len(field), one, other)
+    pure = truth >= 0
+    sheets, counts = np.unique(np.stack([piece, layer])[:, pure], axis=1, return_counts=True)
+    together = np.zeros(piece.max() + 1, np.int64)
+    np.maximum.at(together, sheets[0], counts)
+    assert together.sum() >= 0.995 * np.count_nonzero(pure)
+
+
+def test_the_ground_of_scanned_rubble_is_one_layer() -> None:
+    """Heaps lead up from it to slabs that hang over it; the fewest seams alone would cut it in two halves."""
+    made = synthesise("rubble", scanner=True)
+    field = build_pillars(sort_into_compartments(scan_of(made.points), 0.2), 0.5)
+    layer = classify(field, "surface").layer
+    ground = surfaces_of(field, made) == 0
+    assert np.count_nonzero(layer[ground] == 0) >= 0.995 * np.count_nonzero(ground)
+
+
+def surfaces_of(field: StepField, made: SyntheticScan) -> Integers:
+    """Return the surface that all points of each pillar come from; -1 where they come from several."""
+    east, north = (made.points[:, axis] - made.points[:, axis].min() for axis in (0, 1))
+    compartment = field.compartments.grid.compartment(east, north)
+    order = np.lexsort((made.points[:, 2], compartment))
+    low, high = (each.reduceat(made.surface[order], field.start[:-1]) for each in (np.minimum, np.maximum))
+    return np.where(low == high, low, -1)
 
 
 def test_fragments_join_the_layer_they_lie_nearest_to() -> None:

@@ -7,7 +7,7 @@ pass divides the band elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,9 @@ PIECE = 3000
 DIVISIONS = (0.5, 0.3)
 
 
-def refined(around: Surroundings, layer: Integers, layers: int, worth: int, wishes: Wishes) -> Integers:
+def refined(
+    around: Surroundings, layer: Integers, layers: int, worth: int, wishes: Sequence[Wishes]
+) -> Integers:
     """Move pillars near seams by cuts of least cost.
 
     Parameters
@@ -36,7 +38,7 @@ def refined(around: Surroundings, layer: Integers, layers: int, worth: int, wish
     layers : int
     worth : int
         What a seam costs.
-    wishes : Wishes
+    wishes : sequence of Wishes
         Of the pillars.
 
     Returns
@@ -51,7 +53,7 @@ def refined(around: Surroundings, layer: Integers, layers: int, worth: int, wish
         band = _band(around, around.links[cut].ravel())
         for piece, links in _pieces(around, band, share):
             nodes, ties, free = _surrounded(around, piece, links, worth)
-            wished = Wishes(wishes.layer[nodes], wishes.weight[nodes])
+            wished = [wish.of(nodes) for wish in wishes]
             layer[nodes] = settled(ties, layer[nodes], layers, wishes=wished, free=free)
     return layer
 

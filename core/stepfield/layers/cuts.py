@@ -60,6 +60,14 @@ class Wishes:
     layer: Integers
     weight: Integers
 
+    def of(self, nodes: Integers) -> Wishes:
+        """Return the wishes of some nodes, or of the nodes that each of others belongs to."""
+        return Wishes(self.layer[nodes], self.weight[nodes])
+
+    def times(self, size: Integers) -> Wishes:
+        """Return the same wishes, of nodes that stand for so many."""
+        return Wishes(self.layer, self.weight * size)
+
 
 def lowest(nodes: int, below: Integers, above: Integers, layers: int) -> Integers:
     """Return the lowest layer of each node that those beneath it allow, shape (nodes,).
@@ -81,13 +89,20 @@ def highest(nodes: int, below: Integers, above: Integers, layers: int) -> Intege
     return layers - 1 - lowest(nodes, above, below, layers)
 
 
+def cost(ties: Ties, layer: Integers, wishes: Sequence[Wishes] = ()) -> int:
+    """Return what the links cost, and what is away from the wishes."""
+    of_links = ties.weight * np.abs(layer[ties.one] - layer[ties.other])
+    of_wishes = (wish.weight * np.abs(wish.layer - layer) for wish in wishes)
+    return int(of_links.sum()) + sum(int(each.sum()) for each in of_wishes)
+
+
 def settled(
     ties: Ties,
     layer: Integers,
     layers: int,
     directions: Sequence[int] = (UP, DOWN),
     *,
-    wishes: Wishes | None = None,
+    wishes: Sequence[Wishes] = (),
     free: Mask | None = None,
 ) -> Integers:
     """Move sets of nodes by a layer as long as that makes the links, and the wishes, cheaper.
@@ -101,7 +116,8 @@ def settled(
         How many there are.
     directions : sequence of int
         Of ``UP`` and ``DOWN``, the first to begin with; ends when the last that was tried found nothing.
-    wishes : Wishes, optional
+    wishes : sequence of Wishes
+        All of them count.
     free : ndarray of shape (N,), bool, optional
         Nodes that may move; all of them by default.
     """
@@ -115,15 +131,15 @@ def settled(
 
 
 def _cheapest_set(
-    ties: Ties, layer: Integers, layers: int, way: int, wishes: Wishes | None, free: Mask | None
+    ties: Ties, layer: Integers, layers: int, way: int, wishes: Sequence[Wishes], free: Mask | None
 ) -> Mask | None:
     """Find the smallest set of nodes that is best moved by one layer; None if none gains by it."""
     nodes = len(layer)
     leaning = np.sign(layer[ties.other] - layer[ties.one]) * (way * ties.weight)
     gain = np.bincount(ties.one, leaning, nodes) - np.bincount(ties.other, leaning, nodes)
     gain = gain.astype(np.int64)
-    if wishes is not None:
-        gain += np.where((wishes.layer - layer) * way > 0, wishes.weight, -wishes.weight)
+    for wish in wishes:
+        gain += np.where((wish.layer - layer) * way > 0, wish.weight, -wish.weight)
     kept = layer == (layers - 1 if way == UP else 0)
     if free is not None:
         kept |= ~free

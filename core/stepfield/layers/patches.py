@@ -79,10 +79,10 @@ def patches(around: Surroundings, layers: int) -> Integers:
     return numbers
 
 
-def between(around: Surroundings, patch: Integers) -> Ties:
-    """Bind patches by the links between them and by what stands above each other."""
+def between(around: Surroundings, patch: Integers, links: Integers) -> Ties:
+    """Bind patches by some links, shape (L, 2), and by what stands above each other."""
     count = int(patch.max()) + 1
-    ends = patch[around.links]
+    ends = patch[links]
     ends = np.sort(ends[ends[:, 0] != ends[:, 1]], axis=1)
     linked, weight = np.unique(ends[:, 0] * count + ends[:, 1], return_counts=True)
     below, above = around.stacked

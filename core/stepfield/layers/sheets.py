@@ -1,19 +1,21 @@
-"""Sheets: firm surfaces, kept whole and in the layer that their elevation speaks for.
+"""Sheets: firm surfaces, kept whole and near the layer that their elevation speaks for.
 
 The fewest seams alone would part level ground at a narrow place, and lift one half of it together with a slab
-that a heap leads up to, or for the sake of a handful of stray points beneath. So the paper's classification
-(5.3.3) is asked too, not for every pillar but for every sheet: the layer that most of its pillars would have
-by elevation. A seam is then worth no more than a certain number of pillars in another layer than that.
+that a heap leads up to; or lift all of it for the sake of a few stray points beneath. So two wishes are
+weighed against seams. Every sheet, bound by gentle links only, has a layer by elevation: the one that the
+paper's classification (5.3.3) has for most of its pillars. And it has a layer of its own, where most of it
+is: what is elsewhere is parted from the rest, and weighs more.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepfield.layers.cuts import UP, Ties, Wishes, lowest, settled
+from stepfield.layers.cuts import UP, Ties, Wishes, cost, lowest, settled
 from stepfield.layers.patches import components
 
 Integers = NDArray[np.int64]
@@ -21,8 +23,10 @@ Mask = NDArray[np.bool_]
 
 #: Connected pieces of fewer pillars are fragments; what is larger is firm.
 FRAGMENT = 64
-#: Pillars that may leave the layer of their sheet to spare a seam.
-PILLARS_A_SEAM = 64
+#: Pillars that may be parted from the rest of their sheet to spare a seam.
+PARTED_A_SEAM = 16
+#: Pillars that may be out of the layer by elevation to spare a seam.
+AWAY_A_SEAM = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,12 +42,16 @@ class Votes:
     layer: Integers
 
 
-def whole(ties: Ties, layer: Integers, layers: int, size: Integers, votes: Votes) -> tuple[Integers, Wishes]:
-    """Settle nodes once more, drawn to the layer that most of their sheet votes for.
+def whole(
+    ties: Ties, gentle: Ties, layer: Integers, layers: int, size: Integers, votes: Votes
+) -> tuple[Integers, tuple[Wishes, Wishes]]:
+    """Settle nodes once more, their sheets kept together and drawn to the layer most of them vote for.
 
     Parameters
     ----------
     ties : Ties
+    gentle : Ties
+        Of these, what a sheet is connected by.
     layer : ndarray of shape (N,), int64
         Of the fewest seams.
     layers : int
@@ -54,19 +62,46 @@ def whole(ties: Ties, layer: Integers, layers: int, size: Integers, votes: Votes
     Returns
     -------
     layer : ndarray of shape (N,), int64
-    wishes : Wishes
-        What drew each node, a pillar of it weighing 1.
+    wishes : tuple of Wishes
+        What drew the pillars of each node, where a seam weighs ``AWAY_A_SEAM``.
     """
-    piece = components(len(layer), ties.one, ties.other)
-    firm = np.bincount(piece, size)[piece] >= FRAGMENT
-    sheet = _sheets(_among(ties, firm), len(layer), layers)
-    places = (int(sheet.max()) + 1) * layers
-    cast = np.bincount(sheet[votes.node] * layers + votes.layer, minlength=places).reshape(-1, layers)
-    voted: Mask = cast.sum(axis=1) > 0
-    firm &= voted[sheet]
-    wishes = Wishes(np.argmax(cast, axis=1)[sheet], np.where(firm, size, 0))
-    dear = Ties(ties.one, ties.other, ties.weight * PILLARS_A_SEAM, ties.below, ties.above)
-    return settled(dear, layer, layers, wishes=wishes), wishes
+    sheet, firm = _sheets(gentle, size, layers)
+    dear = Ties(ties.one, ties.other, ties.weight * AWAY_A_SEAM, ties.below, ties.above)
+    voted, heard = _most(sheet, layers, sheet[votes.node], votes.layer)
+    by_elevation = Wishes(voted, (firm & heard).astype(np.int64))
+    layer = settled(dear, layer, layers, wishes=(by_elevation.times(size),))
+
+    def most(of: Integers) -> Wishes:
+        own, _ = _most(sheet, layers, sheet, of, size)
+        return Wishes(own, firm * (AWAY_A_SEAM // PARTED_A_SEAM))
+
+    def drawn(together: Wishes) -> tuple[int, Integers, tuple[Wishes, Wishes]]:
+        """Settle with each sheet drawn to one layer; tell what is parted from where most of it then is."""
+        wishes = by_elevation, together
+        found = settled(dear, layer, layers, wishes=[wish.times(size) for wish in wishes])
+        costs = cost(dear, found, [wish.times(size) for wish in (by_elevation, most(found))])
+        return costs, found, wishes
+
+    here = most(layer)
+    there = Wishes(np.where(heard, voted, here.layer), here.weight)
+    _, layer, wishes = min(drawn(here), drawn(there), key=itemgetter(0))
+    return layer, wishes
+
+
+def _sheets(gentle: Ties, size: Integers, layers: int) -> tuple[Integers, Mask]:
+    """Return the number of each node's sheet and whether that is firm, shape (N,) both.
+
+    A sheet is what stays connected when only the gentle links of firm pieces bind, and fewest are cut.
+    """
+    nodes = len(size)
+    piece = components(nodes, gentle.one, gentle.other)
+    firm: Mask = np.bincount(piece, size)[piece] >= FRAGMENT
+    ties = _among(gentle, firm)
+    layer = settled(ties, lowest(nodes, ties.below, ties.above, layers), layers, (UP,))
+    joined = layer[ties.one] == layer[ties.other]
+    sheet = components(nodes, ties.one[joined], ties.other[joined])
+    firm &= np.bincount(sheet, size)[sheet] >= FRAGMENT
+    return sheet, firm
 
 
 def _among(ties: Ties, chosen: Mask) -> Ties:
@@ -82,8 +117,18 @@ def _among(ties: Ties, chosen: Mask) -> Ties:
     )
 
 
-def _sheets(ties: Ties, nodes: int, layers: int) -> Integers:
-    """Return the number of each node's sheet when only these ties bind: what stays connected in a layer."""
-    layer = settled(ties, lowest(nodes, ties.below, ties.above, layers), layers, (UP,))
-    joined = layer[ties.one] == layer[ties.other]
-    return components(nodes, ties.one[joined], ties.other[joined])
+def _most(
+    sheet: Integers, layers: int, voters: Integers, votes: Integers, weight: Integers | None = None
+) -> tuple[Integers, Mask]:
+    """Return the layer that each node's sheet has most votes for, and whether it has any, shape (N,) both.
+
+    Parameters
+    ----------
+    sheet : ndarray of shape (N,)
+    layers : int
+    voters, votes, weight : ndarray of shape (V,)
+        Sheets, the layers they vote for, and how many votes each is.
+    """
+    cast = np.bincount(voters * layers + votes, weight, (int(sheet.max()) + 1) * layers).reshape(-1, layers)
+    heard: Mask = cast.sum(axis=1) > 0
+    return np.argmax(cast, axis=1)[sheet], heard[sheet]

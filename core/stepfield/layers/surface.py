@@ -17,15 +17,17 @@ from numpy.typing import NDArray
 
 from stepfield.grid import Grid
 from stepfield.layers.bands import refined
-from stepfield.layers.cuts import UP, Wishes, lowest, settled
+from stepfield.layers.cuts import UP, lowest, settled
 from stepfield.layers.elevation import by_elevation
 from stepfield.layers.loose import gathered
 from stepfield.layers.patches import Surroundings, between, components, patches
-from stepfield.layers.sheets import PILLARS_A_SEAM, Votes, whole
+from stepfield.layers.sheets import AWAY_A_SEAM, Votes, whole
 from stepfield.layers.towers import Towers
 
 Integers = NDArray[np.int64]
 
+#: Rise by run of a gentle link, at most.
+STEEPEST = 1.0
 #: Pillars that are asked for their layer by elevation, about.
 VOTERS = 100_000
 
@@ -45,11 +47,12 @@ def by_surface(grid: Grid, towers: Towers, links: Integers, layers: int) -> Inte
     """
     around = _surroundings(grid, towers, links)
     patch = patches(around, layers)
-    ties, size = between(around, patch), np.bincount(patch)
+    ties, size = between(around, patch, links), np.bincount(patch)
+    rise = np.abs(np.subtract(*towers.elevation[links].T))
+    gentle = between(around, patch, links[rise <= STEEPEST * grid.cell_size])
     fewest = settled(ties, lowest(len(size), ties.below, ties.above, layers), layers, (UP,))
-    layer, wishes = whole(ties, fewest, layers, size, _by_elevation(towers, layers, patch))
-    of_pillars = Wishes(wishes.layer[patch], (wishes.weight > 0)[patch].astype(np.int64))
-    layer = refined(around, layer[patch], layers, PILLARS_A_SEAM, of_pillars)
+    layer, wishes = whole(ties, gentle, fewest, layers, size, _by_elevation(towers, layers, patch))
+    layer = refined(around, layer[patch], layers, AWAY_A_SEAM, [wish.of(patch) for wish in wishes])
     piece = components(len(size), ties.one, ties.other)[patch]
     return gathered(around, towers.elevation, layer, layers, piece)
 
