@@ -51,7 +51,7 @@ class _Work:
         self._pipeline = Pipeline()
         self._facts: ScanFacts | None = None
         self._sorted: Any = None  # foundation of the points that are sorted, all of them
-        self._pillars = 0
+        self._pillars = 0  # of the last exact result: a hand sees one way of layering until it rests
 
     def __call__(self, request: Request, progress: Progress) -> Outcome:
         """Run the method; a scan that cannot be opened leaves the stages of the present one as they are."""
@@ -73,10 +73,11 @@ class _Work:
             self._facts = facts_of(pipeline.raw)
         # A preview of a scan that has no more points than that is exact.
         is_thinned = len(result.field.compartments.ticks) < len(result.scan)
-        self._pillars = len(result.field)
         if not is_thinned:
             self._sorted = foundation(request)
         quick = is_thinned or hasty
+        if not quick:
+            self._pillars = len(result.field)
         answer = Answer(replace(request, quick=quick), result, time.perf_counter() - start)
         answer.summaries()  # found here, so that the window need not wait for them
         return Outcome(answer, self._facts)
@@ -103,7 +104,7 @@ class Runner(QObject):
         self._settled = True
         self._previewed: Request | None = None  # whose preview has arrived
         self._sorted: Any = None  # foundation of the points that are sorted, all of them
-        self._points = self._pillars = 0
+        self._points = self._pillars = 0  # of the last result, and of the last exact one
         self._layered: Any = None  # what the layers depended on that are there, exactly
         pace = PACE if threaded else 0.0
         self._worker = NewestWins[Request, Outcome](_Work(), "runner", self, pace=pace, threaded=threaded)
@@ -189,8 +190,8 @@ class Runner(QObject):
 
     def _receive(self, request: Request, outcome: Outcome) -> None:
         answer, self._points = outcome.answer, len(outcome.answer.result.scan)
-        self._pillars = len(answer.result.field)
         if not answer.request.quick:
+            self._pillars = len(answer.result.field)
             self._sorted, self._layered = foundation(request), layers_depend_on(request)
         self.answered.emit(answer, outcome.facts)
         if answer.request.quick:

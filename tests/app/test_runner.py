@@ -244,3 +244,18 @@ def test_very_many_pillars_are_layered_by_elevation_until_the_hand_rests(
     assert heard.quick() == [False], "another alpha leaves the layers as they are"
     runner.ask(changed(finer, layering="elevation", layer_tolerance=0.25), settled=False)
     assert heard.quick() == [False], "by elevation there is nothing to wait for"
+
+
+def test_one_way_of_layering_follows_a_hand_until_it_rests(
+    runner: Runner, heard: Listener, large: Request, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Layers would change to and fro under the hand: previews have fewer pillars than what they stand for."""
+    runner.ask(large)
+    monkeypatch.setattr(module, "FEW_PILLARS", len(heard.answers[-1].result.field) - 1)
+    heard.quick()
+    for cell in (0.22, 0.3, 0.6):
+        runner.ask(changed(large, cell_size=cell), settled=False)
+    assert [answer.result.parameters.layering for answer in heard.answers] == ["elevation"] * 3
+    assert len(heard.answers[-1].result.field) < module.FEW_PILLARS
+    runner.settle()
+    assert heard.answers[-1].result.parameters.layering == "surface"
