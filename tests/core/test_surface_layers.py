@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +19,9 @@ from stepfield.layers.cuts import UP, Ties, lowest, settled
 from stepfield.layers.patches import components
 from stepfield.layers.sheets import PARTED_A_SEAM
 from stepfield.links import link, seams
+from stepfield.parameters import Parameters
 from stepfield.pillars import StepField, build_pillars
+from stepfield.pipeline import Pipeline
 from stepfield.synth import SyntheticScan, synthesise
 
 Integers = NDArray[np.int64]
@@ -150,6 +154,25 @@ def test_stray_points_under_a_floor_do_not_part_it() -> None:
     assert layers.max() >= np.count_nonzero(floor) - len(strays), "half of the floor went up for a few strays"
     sides = 4
     assert len(strays) * sides * PARTED_A_SEAM < len(halves) / 2
+
+
+@pytest.mark.parametrize(
+    ("name", "share"),
+    [
+        ("3dfier__ahn3_cropped_2.laz", 1 / 3),
+        ("pye57__pumpAVisualReferenceImage.e57", 1 / 3),
+        ("ign-pdal-tools__test_data_77050_627755_LA93_IGN69.laz", 1 / 3),
+        ("data__room_scan1.pcd", 0.375),  # 101 seams of 283 there must be, by linear programming
+    ],
+)
+def test_real_scans_have_a_third_of_the_seams(
+    name: str, share: float, real_scan: Callable[[str], Path]
+) -> None:
+    by_surface, by_elevation = (
+        Pipeline().run([real_scan(name)], Parameters(layering=method)) for method in ("surface", "elevation")
+    )
+    assert len(by_surface.seams) <= share * len(by_elevation.seams)
+    assert len(by_surface.layers) <= len(by_elevation.layers)
 
 
 def test_scanned_planes_stay_together_over_their_strays() -> None:
