@@ -6,6 +6,7 @@ job: a crash, a hang or a hunger for memory then ends that job alone and is told
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import resource
@@ -20,6 +21,16 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 SECONDS, BYTES = 20, 2 << 30
+#: What most jobs load: loaded before the fork it costs once what it would cost every one of them.
+LIBRARIES = (
+    "stepfield.cli.build",
+    "stepfield.cli.commands",
+    "stepfield.stack",
+    "scipy.sparse.csgraph",
+    "PIL.PngImagePlugin",
+    "rasterio",
+    "pye57",
+)
 #: One thread each: the pools of threads that numerical libraries keep do not survive a fork.
 _ALONE = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
@@ -121,10 +132,8 @@ def _command(arguments: list[str]) -> int:
 
 
 def _main() -> None:
-    import stepfield.cli.build
-    import stepfield.cli.commands
-    import stepfield.stack  # noqa: F401
-
+    for name in LIBRARIES:
+        importlib.import_module(name)
     jobs = json.load(sys.stdin)
     with tempfile.TemporaryDirectory() as folder:
         outcomes = {name: asdict(_forked(arguments, Path(folder))) for name, arguments in jobs.items()}
