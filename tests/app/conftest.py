@@ -17,6 +17,12 @@ from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 from tests.app.editing import Desk
 
+#: Milliseconds after which what must come true never will: a second is much, but not on a busy machine.
+PATIENCE = 60_000
+# pytest-qt gives up after five seconds, too few where the machine has other things to do; it has no setting.
+for _wait in (QtBot.waitExposed, QtBot.waitSignal, QtBot.waitUntil):
+    _wait.__kwdefaults__ = (_wait.__kwdefaults__ or {}) | {"timeout": PATIENCE}
+
 
 @pytest.fixture(scope="package", autouse=True)
 def garbage_stays_on_this_thread() -> Iterator[None]:

@@ -26,7 +26,6 @@ from stepfield_app.settings import Settings
 from stepfield_app.views.line import ProfileLine
 from stepfield_app.views.remembered import Remembered
 
-LIMIT = 30_000
 BASE = Parameters(cell_size=0.5, layer_tolerance=0.3, alpha=0.5)
 
 
@@ -53,7 +52,7 @@ def window(shared: MainWindow, qtbot: QtBot) -> Iterator[MainWindow]:
     for dialog in (*shared.findChildren(Question), *shared.findChildren(MissingScans)):
         dialog.reject()
     shared.document.close_scan()
-    qtbot.waitUntil(shared.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(shared.is_settled)
     shared.message_bar.dismiss_all()
     shared.hide()
 
@@ -80,14 +79,14 @@ def opened(window: MainWindow, qtbot: QtBot, scan: Path) -> MainWindow:
 @pytest.fixture
 def edited(opened: MainWindow, qtbot: QtBot) -> MainWindow:
     opened.document.set_parameters("Alpha", alpha=0.7)
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
     return opened
 
 
 def open_in(window: MainWindow, qtbot: QtBot, file: Path) -> MainWindow:
-    with qtbot.waitSignal(window.document.opened, timeout=LIMIT):
+    with qtbot.waitSignal(window.document.opened):
         window.open_scans([file], BASE)
-    qtbot.waitUntil(window.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(window.is_settled)
     return window
 
 
@@ -99,7 +98,7 @@ def question(window: MainWindow) -> Question:
 def answer(window: MainWindow, text: str, qtbot: QtBot) -> None:
     asked = question(window)
     asked.choose(text)
-    qtbot.waitUntil(lambda: not window.findChildren(Question), timeout=LIMIT)
+    qtbot.waitUntil(lambda: not window.findChildren(Question))
 
 
 def sentences(window: MainWindow) -> list[str]:
@@ -114,14 +113,14 @@ def test_saving_by_keys_names_and_unmarks_the_window(
 ) -> None:
     assert (edited.windowTitle(), edited.isWindowModified()) == ("table.npy[*] – Stepfield", True)
     QTest.keyClick(edited, Qt.Key.Key_S, Qt.KeyboardModifier.ControlModifier)
-    qtbot.waitUntil(lambda: not edited.document.file.dirty, timeout=LIMIT)
+    qtbot.waitUntil(lambda: not edited.document.file.dirty)
     assert (edited.windowTitle(), edited.isWindowModified()) == ("room.stepfield – Stepfield", False)
     assert edited.settings.recent[0] == (file,)
     other = file.with_name("other.stepfield")
     monkeypatch.setattr(filing, "ask_for_place", lambda parent, start: other)
     both = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
     QTest.keyClick(edited, Qt.Key.Key_S, both)
-    qtbot.waitUntil(lambda: edited.windowTitle() == "other.stepfield – Stepfield", timeout=LIMIT)
+    qtbot.waitUntil(lambda: edited.windowTitle() == "other.stepfield – Stepfield")
     assert Project.read(other).parameters == Project.read(file).parameters
 
 
@@ -145,7 +144,7 @@ def test_a_project_opens_as_it_was_left(opened: MainWindow, qtbot: QtBot, scan: 
     opened.map.set_mode("gray")
     document.set_active_layer(1)
     opened.filing.save()
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
     open_in(opened, qtbot, scan)
     trio.arrange(("cloud", "pillars", "reconstruction"))
     opened.map.set_mode("hillshade")
@@ -180,7 +179,7 @@ def test_a_damaged_view_does_not_keep_a_project_from_opening(
     remembered = Remembered.read(view)
     assert remembered.camera is None
     project = document.project.model_copy(update={"view": view})
-    with qtbot.waitSignal(document.opened, timeout=LIMIT):
+    with qtbot.waitSignal(document.opened):
         document.open_project(project)
     assert opened.trio.shown
     assert -1 <= document.active_layer < 2
@@ -203,7 +202,7 @@ def test_another_scan_is_opened_once_the_edits_are_saved(
     edited: MainWindow, qtbot: QtBot, scan: Path, file: Path
 ) -> None:
     edited.open_scans([scan], BASE)
-    with qtbot.waitSignal(edited.document.opened, timeout=LIMIT):
+    with qtbot.waitSignal(edited.document.opened):
         answer(edited, "&Save", qtbot)
     assert Project.read(file).parameters.alpha == 0.7
     assert edited.document.project.parameters.alpha == 0.5
@@ -215,10 +214,10 @@ def test_edits_that_nobody_wants_go_only_when_the_next_scan_is_there(
 ) -> None:
     edited.open_scans([scan.with_name("absent.npy")])
     answer(edited, "&Don't save", qtbot)
-    qtbot.waitUntil(lambda: bool(sentences(edited)), timeout=LIMIT)
+    qtbot.waitUntil(lambda: bool(sentences(edited)))
     assert edited.document.file.dirty, "the scan could not be opened: the edits are still there to save"
     edited.open_scans([scan], BASE)
-    with qtbot.waitSignal(edited.document.opened, timeout=LIMIT):
+    with qtbot.waitSignal(edited.document.opened):
         answer(edited, "&Don't save", qtbot)
 
 
@@ -229,8 +228,8 @@ def test_a_save_that_fails_opens_nothing(
     monkeypatch.setattr(filing, "ask_for_place", lambda parent, start: nowhere)
     edited.open_scans([scan], BASE)
     answer(edited, "&Save", qtbot)
-    qtbot.waitUntil(lambda: any("cannot write" in sentence for sentence in sentences(edited)), timeout=LIMIT)
-    qtbot.waitUntil(edited.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(lambda: any("cannot write" in sentence for sentence in sentences(edited)))
+    qtbot.waitUntil(edited.is_settled)
     assert edited.document.project.parameters.alpha == 0.7
 
 
@@ -255,7 +254,7 @@ def test_a_window_closes_after_what_it_was_saving(
     window.close()
     assert window.isVisible()
     answer(window, "&Save", qtbot)
-    qtbot.waitUntil(lambda: not window.isVisible(), timeout=LIMIT)
+    qtbot.waitUntil(lambda: not window.isVisible())
     assert Project.read(file).parameters.alpha == 0.7
     window.deleteLater()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
@@ -266,20 +265,20 @@ def test_a_window_closes_after_what_it_was_saving(
 
 def test_the_work_of_another_window_is_asked_about(edited: MainWindow, qtbot: QtBot, file: Path) -> None:
     edited.filing.save()
-    qtbot.waitUntil(edited.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(edited.is_settled)
     theirs = Project.read(file).model_copy(update={"parameters": Parameters(bits=8)})
     theirs.save(file)
-    qtbot.waitUntil(lambda: bool(sentences(edited)), timeout=LIMIT)
+    qtbot.waitUntil(lambda: bool(sentences(edited)))
     assert sentences(edited)[0].startswith("room.stepfield was changed by another window")
     edited.document.set_parameters("Alpha", alpha=0.9)
     edited.filing.save()
-    qtbot.waitUntil(lambda: bool(edited.findChildren(Question)), timeout=LIMIT)
+    qtbot.waitUntil(lambda: bool(edited.findChildren(Question)))
     answer(edited, "Cancel", qtbot)
     assert Project.read(file) == theirs
     edited.filing.save()
-    qtbot.waitUntil(lambda: bool(edited.findChildren(Question)), timeout=LIMIT)
+    qtbot.waitUntil(lambda: bool(edited.findChildren(Question)))
     answer(edited, "&Overwrite", qtbot)
-    qtbot.waitUntil(lambda: not edited.document.file.dirty, timeout=LIMIT)
+    qtbot.waitUntil(lambda: not edited.document.file.dirty)
     assert Project.read(file).parameters.alpha == 0.9
 
 
@@ -287,18 +286,18 @@ def test_a_missing_scan_is_asked_for_in_a_dialog(
     opened: MainWindow, qtbot: QtBot, scan: Path, file: Path, tmp_path: Path
 ) -> None:
     opened.filing.save()
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
     there = tmp_path / "moved" / "table.npy"
     there.parent.mkdir()
     shutil.move(scan, there)
     opened.open_scans([file])
-    qtbot.waitUntil(lambda: bool(opened.findChildren(MissingScans)), timeout=LIMIT)
+    qtbot.waitUntil(lambda: bool(opened.findChildren(MissingScans)))
     (dialog,) = opened.findChildren(MissingScans)
     assert not dialog.open_button.isEnabled()
     assert any(str(scan) in label.text() for label in dialog.findChildren(QLabel))
     assert all(button.toolTip() for button in dialog.findChildren(QPushButton))
     dialog.place(scan, there)
-    with qtbot.waitSignal(opened.document.opened, timeout=LIMIT):
+    with qtbot.waitSignal(opened.document.opened):
         dialog.open_button.click()
     assert opened.document.scans == (there,)
     assert opened.isWindowModified()
@@ -308,8 +307,8 @@ def test_a_scan_that_is_another_is_warned_of(
     opened: MainWindow, qtbot: QtBot, scan: Path, file: Path
 ) -> None:
     opened.filing.save()
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
     np.save(scan, table(UTM) * [1, 1, 1.01])
     open_in(opened, qtbot, file)
-    qtbot.waitUntil(lambda: bool(sentences(opened)), timeout=LIMIT)
+    qtbot.waitUntil(lambda: bool(sentences(opened)))
     assert sentences(opened)[0].startswith("table.npy is not the file the project was made from")

@@ -22,7 +22,6 @@ from stepfield_app.render.scene import CLOUD, EMPTY, PILLARS, RECONSTRUCTION, Fr
 from stepfield_app.render.store import PREFIX, Store
 
 BACKGROUND = (0x1E, 0x1F, 0x22)
-LIMIT = 30_000
 MANY = 400_000
 SIZE = (200, 150)
 CAMERA = Camera((0.0, 0.0, 0.0), 30, 60, 6)
@@ -35,14 +34,14 @@ def shared(qapp: object, request: pytest.FixtureRequest) -> Iterator[RenderClien
     client.set_background(BACKGROUND)
     client.start()
     bot = QtBot(request)
-    bot.waitUntil(lambda: client.state in ("running", "failed"), timeout=LIMIT)
+    bot.waitUntil(lambda: client.state in ("running", "failed"))
     if client.state == "failed":
         client.close()
         pytest.skip(client.reason)
     client.show([CLOUD])
     client.set_scene(CLOUD, plane(MANY))  # large enough to be written by a thread, which stays
     client.set_camera(CLOUD, CAMERA, SIZE, False)
-    bot.waitUntil(client.is_at_rest, timeout=LIMIT)
+    bot.waitUntil(client.is_at_rest)
     yield client
     client.close()
 
@@ -84,7 +83,7 @@ def drawn(
     client.show([CLOUD])
     client.set_scene(CLOUD, scene)
     client.set_camera(CLOUD, camera, size, False)
-    qtbot.waitUntil(client.is_at_rest, timeout=LIMIT)
+    qtbot.waitUntil(client.is_at_rest)
     frame = client.frame(CLOUD)
     assert frame is not None
     assert frame.pixels.shape == (size[1], size[0], 4)
@@ -142,7 +141,7 @@ def test_a_moving_picture_leaves_points_out_and_the_next_resting_one_does_not(
     qtbot: QtBot, client: RenderClient
 ) -> None:
     drawn(qtbot, client, plane(MANY), CAMERA)
-    with qtbot.waitSignal(client.frame_arrived, timeout=LIMIT):
+    with qtbot.waitSignal(client.frame_arrived):
         client.set_camera(CLOUD, CAMERA.orbited(40, 0), SIZE, True)
     frame = client.frame(CLOUD)
     assert frame is not None
@@ -159,7 +158,7 @@ def test_the_newest_camera_wins(qtbot: QtBot, client: RenderClient) -> None:
     for step in range(200):
         client.set_camera(CLOUD, CAMERA.orbited(step, 0), SIZE, True)
     client.set_camera(CLOUD, CAMERA.orbited(200, 0), SIZE, False)
-    qtbot.waitUntil(client.is_at_rest, timeout=LIMIT)
+    qtbot.waitUntil(client.is_at_rest)
     client.frame_arrived.disconnect(arrived.append)
     frame = client.frame(CLOUD)
     assert frame is not None
@@ -183,7 +182,7 @@ def test_hidden_views_are_not_drawn(qtbot: QtBot, client: RenderClient) -> None:
     assert client.frame(PILLARS) is before
     client.show([PILLARS])
     assert not client.is_at_rest()
-    qtbot.waitUntil(client.is_at_rest, timeout=LIMIT)
+    qtbot.waitUntil(client.is_at_rest)
     assert client.frame(PILLARS) is not before
 
 
@@ -194,7 +193,7 @@ def test_views_of_different_sizes_do_not_disturb_each_other(qtbot: QtBot, client
         for view, (width, height) in sizes.items():
             client.set_scene(view, plane(20_000))
             client.set_camera(view, CAMERA, (width + 70 * turn, height), False)
-        qtbot.waitUntil(client.is_at_rest, timeout=LIMIT)
+        qtbot.waitUntil(client.is_at_rest)
         for view in sizes:
             frame = client.frame(view)
             assert frame is not None
@@ -266,9 +265,9 @@ def test_a_killed_process_comes_back_with_everything(qtbot: QtBot, own: RenderCl
     own.start()
     before = rgb(drawn(qtbot, own, plane(3000), CAMERA))
     os.kill(own.process_id, signal.SIGKILL)
-    qtbot.waitUntil(lambda: "stopped" in states, timeout=LIMIT)
+    qtbot.waitUntil(lambda: "stopped" in states)
     assert not own.is_at_rest()
-    qtbot.waitUntil(own.is_at_rest, timeout=LIMIT)
+    qtbot.waitUntil(own.is_at_rest)
     assert states == ["starting", "running", "stopped", "starting", "running"]
     frame = own.frame(CLOUD)
     assert frame is not None
@@ -282,7 +281,7 @@ def test_after_many_deaths_it_gives_up_until_started_again(qtbot: QtBot, own: Re
         return own.state == "failed"
 
     own.start()
-    qtbot.waitUntil(kill, timeout=LIMIT)
+    qtbot.waitUntil(kill)
     assert own.reason.endswith(".")
     own.start()
     drawn(qtbot, own, plane(100), CAMERA)
@@ -294,7 +293,7 @@ def test_without_open3d_it_says_so(
     (tmp_path / "open3d.py").write_text("raise ImportError('libGL.so.1 is missing')")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     own.start()
-    qtbot.waitUntil(lambda: own.state == "failed", timeout=LIMIT)
+    qtbot.waitUntil(lambda: own.state == "failed")
     assert "libGL.so.1 is missing" in own.reason
     assert own.process_id == 0
 

@@ -17,7 +17,6 @@ from stepfield_app.render.outline import PLACE, SELECTION
 from stepfield_app.render.scene import PILLARS, Frame, Scene, Triangles
 from stepfield_app.theme import OUTLINES, rgb
 
-LIMIT = 30_000
 SIZE = (320, 240)
 CAMERA = Camera((0.0, 0.0, 0.0), 30, 60, 6)
 RING = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
@@ -37,7 +36,7 @@ def shared(qapp: object, request: pytest.FixtureRequest) -> Iterator[RenderClien
     """One running client for the whole module."""
     client = RenderClient()
     client.start()
-    QtBot(request).waitUntil(lambda: client.state in ("running", "failed"), timeout=LIMIT)
+    QtBot(request).waitUntil(lambda: client.state in ("running", "failed"))
     if client.state == "failed":
         client.close()
         pytest.skip(client.reason)
@@ -45,7 +44,7 @@ def shared(qapp: object, request: pytest.FixtureRequest) -> Iterator[RenderClien
     client.set_scene(PILLARS, floor())
     client.set_camera(PILLARS, CAMERA, SIZE, False)
     client.show([PILLARS])
-    QtBot(request).waitUntil(client.is_at_rest, timeout=LIMIT)
+    QtBot(request).waitUntil(client.is_at_rest)
     yield client
     client.close()
 
@@ -63,7 +62,7 @@ def client(qtbot: QtBot, shared: RenderClient) -> RenderClient:
 
 
 def settle(qtbot: QtBot, client: RenderClient) -> Frame:
-    qtbot.waitUntil(client.is_at_rest, timeout=LIMIT)
+    qtbot.waitUntil(client.is_at_rest)
     frame = client.frame(PILLARS)
     assert frame is not None
     return frame
@@ -90,7 +89,7 @@ def test_an_outline_comes_and_goes_over_the_same_picture(qtbot: QtBot, client: R
 def test_outlines_follow_a_moving_camera(qtbot: QtBot, client: RenderClient) -> None:
     client.set_outline(PILLARS, SEGMENTS)
     settle(qtbot, client)
-    with qtbot.waitSignal(client.frame_arrived, timeout=LIMIT):
+    with qtbot.waitSignal(client.frame_arrived):
         client.set_camera(PILLARS, CAMERA.orbited(60, 0), SIZE, True)
     frame = client.frame(PILLARS)
     assert frame is not None
@@ -134,7 +133,7 @@ def test_the_newest_of_many_outlines_wins_and_none_is_left_behind(qtbot: QtBot, 
     assert len(arrived) < 12, "outlines have queued up"
     client.set_outline(PILLARS, None)
     settle(qtbot, client)
-    qtbot.waitUntil(lambda: files() <= before + 2, timeout=LIMIT)
+    qtbot.waitUntil(lambda: files() <= before + 2)
 
 
 def test_a_view_that_was_hidden_shows_the_outline_it_was_given(qtbot: QtBot, client: RenderClient) -> None:
@@ -149,5 +148,5 @@ def test_a_new_drawing_process_paints_the_outlines_too(qtbot: QtBot, client: Ren
     client.set_outline(PILLARS, SEGMENTS)
     before = settle(qtbot, client).pixels.copy()
     os.kill(client.process_id, signal.SIGKILL)
-    qtbot.waitUntil(lambda: not client.is_at_rest(), timeout=LIMIT)
+    qtbot.waitUntil(lambda: not client.is_at_rest())
     assert np.array_equal(settle(qtbot, client).pixels, before)

@@ -25,7 +25,6 @@ from stepfield_app.scenes.surfaces import merged
 
 SIZE = (64, 48)
 NEAR = 0.5
-LIMIT = 30_000
 ABOVE = Camera((0.0, 0.0, 0.0), 30, 40, 6)
 
 
@@ -117,7 +116,7 @@ def client(qtbot: QtBot) -> Iterator[RenderClient]:
     client = RenderClient()
     client.show([PILLARS])
     client.start()
-    qtbot.waitUntil(lambda: client.state in ("running", "failed"), timeout=LIMIT)
+    qtbot.waitUntil(lambda: client.state in ("running", "failed"))
     if client.state == "failed":
         client.close()
         pytest.skip(client.reason)
@@ -128,7 +127,7 @@ def client(qtbot: QtBot) -> Iterator[RenderClient]:
 def picture(qtbot: QtBot, client: RenderClient, mesh: Triangles, camera: Camera) -> tuple[Bytes, int]:
     client.set_scene(PILLARS, Scene(meshes=(mesh,), low=np.full(3, -2.0), high=np.full(3, 2.0)))
     client.set_camera(PILLARS, camera, (321, 240), False)
-    qtbot.waitUntil(client.is_at_rest, timeout=LIMIT)
+    qtbot.waitUntil(client.is_at_rest)
     frame = client.frame(PILLARS)
     assert frame is not None
     return frame.pixels[..., :3].copy(), frame.triangles

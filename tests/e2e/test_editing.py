@@ -22,8 +22,8 @@ from stepfield.project import Project, ScanFile
 from stepfield.stack.read import Stack
 
 SCAN = "data__room_scan1.pcd"
-#: Seconds that a part of a correction may take, and between two looks whether it is done.
-PATIENCE, LOOK = 60.0, 0.05
+#: Seconds after which a part of a correction will never end, on a busy machine too; and between two looks.
+PATIENCE, LOOK = 400.0, 0.05
 HANDS = ("mouse", "keyboard")
 
 

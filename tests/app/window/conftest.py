@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
-from tests.app.window.whole import LIMIT, Folder, discarded, made, open_in
+from tests.app.window.whole import Folder, discarded, made, open_in
 
 from stepfield_app.appearance import Appearance
 from stepfield_app.dialogs.export import ExportDialog
@@ -47,7 +47,7 @@ def window(shared: MainWindow, qtbot: QtBot) -> Iterator[MainWindow]:
     shared.appearance.choose("dark")
     shared.resize(1280, 800)
     shared.document.close_scan()
-    qtbot.waitUntil(shared.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(shared.is_settled)
     shared.message_bar.dismiss_all()
     shared.hide()
 

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 from pytestqt.qtbot import QtBot
 from tests.app.scenes_made import UTM, table
-from tests.app.window.whole import BASE, LIMIT, Folder, endless, open_in, sentences
+from tests.app.window.whole import BASE, Folder, endless, open_in, sentences
 
 from stepfield.errors import StepfieldError
 from stepfield.project import Project, ScanFile
@@ -59,7 +59,7 @@ def test_an_opened_scan_is_everywhere(opened: MainWindow, folder: Folder) -> Non
 def test_what_is_under_the_cursor_is_what_lies_there(opened: MainWindow, qtbot: QtBot) -> None:
     """If it failed, the readout and the rotation centre would be beside the thing that is pointed at."""
     opened.trio.look_from("top")
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
     canvas = opened.trio.canvases[PILLARS]
     for expected in ((3.6, 3.1, 1.0), (1.1, 1.2, 0.0)):
         place = canvas.place_at(canvas.pixel_of(expected))
@@ -92,7 +92,7 @@ def test_another_scan_takes_the_place_of_the_first(opened: MainWindow, folder: F
 def test_a_project_opens_with_its_parameters(window: MainWindow, folder: Folder, qtbot: QtBot) -> None:
     file = folder.at / "work.stepfield"
     Project(scans=(ScanFile(path="table.npy"),), parameters=BASE).save(file)
-    with qtbot.waitSignal(window.document.opened, timeout=LIMIT):
+    with qtbot.waitSignal(window.document.opened):
         window.open_scans([file])
     assert window.document.scans == (folder.table,)
     assert window.document.project.parameters == BASE
@@ -110,8 +110,8 @@ def test_what_cannot_be_opened_leaves_everything_as_it_was(
     )
     opened.trio.viewpoint.look(camera)
     opened.open_scans([folder.at / name])
-    qtbot.waitUntil(lambda: bool(sentences(opened)), timeout=LIMIT)
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(lambda: bool(sentences(opened)))
+    qtbot.waitUntil(opened.is_settled)
     assert len(sentences(opened)) == 1
     assert name in sentences(opened)[0]
     assert "Traceback" not in sentences(opened)[0]
@@ -147,11 +147,11 @@ def test_a_load_can_be_cancelled(
     endless(monkeypatch, slow)
     answer, files = opened.document.answer, stored(opened)
     opened.open_scans([slow])
-    qtbot.waitUntil(lambda: said_by_status(opened, "reading slow.npy"), timeout=LIMIT)
+    qtbot.waitUntil(lambda: said_by_status(opened, "reading slow.npy"))
     stop = next(button for button in opened.status.findChildren(QAbstractButton) if button.isVisible())
     assert not opened.is_settled()
     stop.click()
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
     assert opened.document.answer is answer
     assert opened.document.scans == (folder.table,)
     assert opened.windowTitle() == "table.npy – Stepfield"
@@ -177,7 +177,7 @@ def test_recent_files_are_offered_and_open(opened: MainWindow, folder: Folder, q
     recent.aboutToShow.emit()
     texts = [action.text() for action in recent.actions() if action.text()]
     assert texts[:2] == ["far && away.npy", "table.npy"]
-    with qtbot.waitSignal(opened.document.opened, timeout=LIMIT):
+    with qtbot.waitSignal(opened.document.opened):
         next(action for action in recent.actions() if action.text() == "table.npy").trigger()
     assert opened.document.scans == (folder.table,)
     forget = recent.actions()[-1]
@@ -195,7 +195,7 @@ def test_recent_files_are_offered_and_open(opened: MainWindow, folder: Folder, q
 def test_a_closed_scan_leaves_an_empty_window(opened: MainWindow, qtbot: QtBot) -> None:
     opened.actions_["crop"].setChecked(True)
     opened.actions_["close"].trigger()
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
     assert opened.welcome.isVisible()
     assert opened.windowTitle() == "Stepfield"
     assert opened.map.line is None
@@ -215,7 +215,7 @@ def test_what_was_under_way_does_not_fill_an_empty_window(opened: MainWindow, qt
     opened.plot_feed._draw(0, "gray")
     opened.plot_feed._cut()
     opened.document.close_scan()
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
     assert opened.map.plot._empty_text
     assert opened.profile.section is None
 

@@ -11,7 +11,7 @@ from PySide6.QtCore import QSettings, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
-from tests.app.window.whole import LIMIT, discarded, picture, sentences
+from tests.app.window.whole import discarded, picture, sentences
 
 from stepfield_app.appearance import Appearance
 from stepfield_app.main_window import MainWindow
@@ -25,7 +25,7 @@ from stepfield_app.views.view3d import SENTENCES
 
 def test_a_dead_drawing_process_comes_back_and_nothing_else_notices(opened: MainWindow, qtbot: QtBot) -> None:
     opened.document.set_parameters("Alpha", alpha=0.7)
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
     canvas, camera = opened.trio.canvases[CLOUD], opened.trio.viewpoint.camera
     before = opened.client.frame(CLOUD)
     project, answer, steps = (
@@ -36,8 +36,8 @@ def test_a_dead_drawing_process_comes_back_and_nothing_else_notices(opened: Main
     troubles: list[str] = []
     opened.client.state_changed.connect(lambda state: troubles.append(canvas._trouble))
     os.kill(opened.client.process_id, signal.SIGKILL)
-    qtbot.waitUntil(lambda: SENTENCES["stopped"] in troubles, timeout=LIMIT)
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(lambda: SENTENCES["stopped"] in troubles)
+    qtbot.waitUntil(opened.is_settled)
     after = opened.client.frame(CLOUD)
     assert before is not None
     assert after is not None
@@ -66,7 +66,7 @@ def test_sixty_sizes_end_settled(opened: MainWindow, qtbot: QtBot) -> None:
         opened.resize(int(width), int(height))
         QApplication.processEvents()
     opened.resize(1111, 777)
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
     for view in VIEWS:
         frame = opened.client.frame(view)
         assert frame is not None
@@ -86,14 +86,14 @@ def test_steps_are_named_in_the_menu(opened: MainWindow, qtbot: QtBot) -> None:
     assert (redo.text(), redo.isEnabled(), undo.isEnabled()) == ("&Redo Rename to A && B", True, False)
     redo.trigger()
     assert opened.document.style(0).name == "A & B"
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
 
 
 def test_the_theme_changes_everywhere_at_once(opened: MainWindow, qtbot: QtBot) -> None:
     dark = picture(opened)
     opened.actions_["theme light"].setChecked(True)
     assert opened.settings.theme == "light"
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
     light = picture(opened)
     grounds = {getattr(DARK, name) for name in ("window", "panel", "field")}
     colours = {tuple(int(ground[at : at + 2], 16) for at in (1, 3, 5)) for ground in grounds}
@@ -103,7 +103,7 @@ def test_the_theme_changes_everywhere_at_once(opened: MainWindow, qtbot: QtBot) 
         corner = picture(part)[-4, 4] if name != "map" else picture(part)[3, 3]
         assert corner.min() > 150, f"{name} is still dark"
     opened.actions_["theme dark"].setChecked(True)
-    qtbot.waitUntil(opened.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(opened.is_settled)
     assert (picture(opened) == dark).all(axis=2).mean() > 0.98, "back in dark something stayed light"
 
 

@@ -22,7 +22,6 @@ from stepfield_app.appearance import Appearance
 from stepfield_app.main_window import MainWindow
 from stepfield_app.settings import Settings
 
-LIMIT = 30_000
 BASE = Parameters(cell_size=0.5, layer_tolerance=0.3, alpha=0.5)
 
 
@@ -59,9 +58,9 @@ def discarded(window: MainWindow) -> None:
 
 def open_in(window: MainWindow, qtbot: QtBot, *files: Path) -> MainWindow:
     window.document.file.give_up()  # no question about earlier edits
-    with qtbot.waitSignal(window.document.opened, timeout=LIMIT):
+    with qtbot.waitSignal(window.document.opened):
         window.open_scans(files, BASE)
-    qtbot.waitUntil(window.is_settled, timeout=LIMIT)
+    qtbot.waitUntil(window.is_settled)
     return window
 
 
