@@ -7,6 +7,7 @@
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)"
 venv="$root/.venv"
 unset PYTHONPATH PYTHONHOME # a sourced ROS workspace puts its own packages and pytest plugins in the way
+unset PYTHONDONTWRITEBYTECODE # set in many containers; every one of the tests' processes would compile all it loads
 
 # What the wheels expect of the system: package, what it brings (a shared library, "font" or a command), the dependency
 # that needs it. A line counts once pyproject.toml names its dependency, those of "dev" for the tests only, those of

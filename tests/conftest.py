@@ -33,6 +33,12 @@ def scan_of(points: ArrayLike) -> Scan:
     return scan_of_axes(*(Axis(array[:, i]) for i in range(3)))
 
 
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Begin with the longest files where cores share the tests: at the end all would wait for one of them."""
+    if hasattr(config, "workerinput"):
+        items.sort(key=lambda item: "e2e" not in item.path.parts)
+
+
 @pytest.fixture(scope="session")
 def real_scan() -> Callable[[str], Path]:
     """Find a real scan by name, skipping the test where the scans are absent."""
