@@ -18,6 +18,7 @@ from tests.app.scenes_made import UTM, table
 from tests.app.stubs import Bench
 
 from stepfield.errors import ScanError
+from stepfield.moving import move_to
 from stepfield.progress import Progress
 from stepfield_app import demo, runner
 from stepfield_app.feeds import demo_feed
@@ -140,6 +141,22 @@ def test_a_new_answer_keeps_the_camera(bench: Bench, near: Path) -> None:
     bench.document.set_parameters("Alpha", alpha=0.9)
     bench.settle()
     assert bench.trio.viewpoint.camera == camera
+
+
+def test_views_of_an_edit_are_handed_over_one_by_one(bench: Bench, near: Path) -> None:
+    """The drawing process would wait for the last of them; of another scan no two are shown together."""
+    handed: list[tuple[str, ...]] = []
+    bench.scene_feed.handed_over.connect(lambda _, pictures: handed.append(tuple(pictures)))
+    bench.open(near, **PARAMETERS)
+    assert handed == [VIEWS]
+    handed.clear()
+    result = bench.document.answer.result  # type: ignore[union-attr]
+    chosen = np.zeros(len(result.field), bool)
+    chosen[result.layering.members(1)[:3]] = True
+    plan = move_to(result, chosen, 0)
+    bench.document.edit(plan.text, plan.applied(bench.document.project))
+    bench.settle()
+    assert handed == [(CLOUD,), (PILLARS,), (RECONSTRUCTION,), VIEWS]
 
 
 def test_blocks_that_nobody_could_tell_apart_are_joined_until_the_camera_comes_nearer(

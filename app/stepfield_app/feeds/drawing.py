@@ -128,10 +128,14 @@ class Drawing:
     ----------
     share : callable
         Puts a large array where the drawing process can read it; see :class:`RenderClient`.
+    tell : callable
+        Takes a wish and each picture of it, by view, as soon as it is made: on the worker's thread.
     """
 
-    def __init__(self, share: Callable[[Array], Array]) -> None:
-        self._share = share
+    def __init__(
+        self, share: Callable[[Array], Array], tell: Callable[[Wish, dict[str, Picture]], None] | None = None
+    ) -> None:
+        self._share, self._tell = share, tell
         self._cloud: Cloud | None = None
         self._parts: dict[str, tuple[tuple[Any, ...], Any]] = {}
 
@@ -148,6 +152,8 @@ class Drawing:
         for done, name in enumerate(wish.views):
             progress(done / len(wish.views), f"drawing {name}")
             pictures[name] = draw[name](wish)
+            if self._tell is not None:
+                self._tell(wish, {name: pictures[name]})
         return Drawn(pictures, shown, time.perf_counter() - start)
 
     def _shown(self, wish: Wish) -> Cloud:

@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject, Signal
 
 from stepfield.progress import Progress
 from stepfield_app.document import Document
-from stepfield_app.feeds.drawing import Drawn, Wish
+from stepfield_app.feeds.drawing import Picture, Wish
 from stepfield_app.feeds.scene_feed import SceneFeed
 from stepfield_app.newest import NewestWins
 from stepfield_app.render.client import RenderClient
@@ -76,9 +76,9 @@ class RecolourFeed(QObject):
         """End the worker."""
         self._worker.close()
 
-    def _note(self, wish: Wish, drawn: Drawn) -> None:
+    def _note(self, wish: Wish, pictures: Mapping[str, Picture]) -> None:
         """Remember what a scene shows for as long as there is a picture of it."""
-        for picture in drawn.pictures.values():
+        for picture in pictures.values():
             if wish.quick:
                 self._wishes.pop(picture.scene, None)
             else:

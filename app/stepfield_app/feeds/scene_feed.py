@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
 from stepfield.pillars import StepField
 from stepfield_app.document import Document
 from stepfield_app.facts import ScanFacts
-from stepfield_app.feeds.drawing import POINT_MODES, SOLID_MODES, WAYS, Drawing, Drawn, Wish, joins_for
+from stepfield_app.feeds.drawing import (
+    POINT_MODES,
+    SOLID_MODES,
+    WAYS,
+    Drawing,
+    Drawn,
+    Picture,
+    Wish,
+    joins_for,
+)
 from stepfield_app.feeds.hurry import Hurry
 from stepfield_app.newest import NewestWins
 from stepfield_app.render.camera import Camera
@@ -61,8 +71,9 @@ class SceneFeed(QObject):
 
     failed = Signal(object)  # exception
     cloud_changed = Signal()
-    #: Scenes were handed to the renderer: the Wish and what was Drawn of it.
+    #: Scenes were handed to the renderer: the Wish and some Pictures of it, by view.
     handed_over = Signal(object, object)
+    _made = Signal(object, object)  # the same, on the worker's thread
 
     def __init__(self, document: Document, trio: Trio, client: RenderClient) -> None:
         super().__init__(trio)
@@ -78,7 +89,8 @@ class SceneFeed(QObject):
         self._breath.timeout.connect(self._catch_up)
         self._courtesy = QTimer(self, singleShot=True, interval=COURTESY)
         self._courtesy.timeout.connect(self.ask)
-        self._drawing = NewestWins[Wish, Drawn](Drawing(client.share), "drawing", self)
+        self._drawing = NewestWins[Wish, Drawn](Drawing(client.share, self._made.emit), "drawing", self)
+        self._made.connect(self._show_early, Qt.ConnectionType.QueuedConnection)
         self._drawing.answered.connect(self._show)
         self._drawing.failed.connect(lambda _, error: self.failed.emit(error))
         document.facts_changed.connect(self._place)
@@ -254,15 +266,27 @@ class SceneFeed(QObject):
         if drawn.cloud is not self.cloud:
             self.cloud = drawn.cloud
             self.cloud_changed.emit()
-        field, self._field = self._field, wish.result.field
-        for view, picture in drawn.pictures.items():
-            # What an edit made of the same pillars is on the screen already, in the right colours.
-            self._client.set_scene(view, picture.scene, in_full=field is self._field and not wish.quick)
-            self._trio.canvases[view].set_legend(picture.legend)
-            self._trio.set_bounds(picture.scene.low, picture.scene.high)
+        self._hand_over(wish, drawn.pictures)
+        self._field = wish.result.field
         if self._fits:
             self._fits = False
             self._trio.fit()
         elif wish.quick:
             self._trio.viewpoint.stir()
-        self.handed_over.emit(wish, drawn)
+
+    def _show_early(self, wish: Wish, pictures: Mapping[str, Picture]) -> None:
+        """Hand over what is made of an edit: every view shows it already, recoloured. Others go together."""
+        is_newest = wish.answer is self._document.answer and wish.origin is self.origin
+        if is_newest and self._is_of_an_edit(wish):
+            self._hand_over(wish, pictures)
+
+    def _is_of_an_edit(self, wish: Wish) -> bool:
+        """Whether the same pillars are on the screen already, and in the right colours."""
+        return wish.result.field is self._field and not wish.quick
+
+    def _hand_over(self, wish: Wish, pictures: Mapping[str, Picture]) -> None:
+        for view, picture in pictures.items():
+            self._client.set_scene(view, picture.scene, in_full=self._is_of_an_edit(wish))
+            self._trio.canvases[view].set_legend(picture.legend)
+            self._trio.set_bounds(picture.scene.low, picture.scene.high)
+        self.handed_over.emit(wish, pictures)
