@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt
 from PySide6.QtGui import QDragEnterEvent, QDragLeaveEvent, QDragMoveEvent, QDropEvent
@@ -222,6 +224,23 @@ def test_the_list_scrolls_under_a_drag_at_its_end(
     drag.move(QPoint(50, height - 5))
     qtbot.waitUntil(lambda: bar.value() == bar.maximum() > 0)
     drag.leave()
+
+
+@pytest.mark.parametrize("height", [700, 240])
+def test_in_a_low_panel_rows_are_lower_and_whole(
+    desk: Desk, panel: LayersPanel, editing: LayersEditing, height: int
+) -> None:
+    """On a small screen hardly a layer was seen; lowered, buttons and lines could leave their row or overlap."""
+    panel.resize(300, height)
+    QApplication.processEvents()
+    room = panel.view.visualRect(panel.model.index(0))
+    layout = RowLayout(room)
+    assert (room.height() < ROW_HEIGHT) == (height < 300)
+    parts = layout.eye(), layout.swatch(), layout.name(), layout.solo(), layout.thumbnail()
+    assert all(room.contains(part) for part in (*parts, layout.lock(), layout.figures()))
+    assert not any(one.intersects(other) for one, other in pairwise(parts))
+    assert not layout.solo().intersects(layout.lock())
+    assert layout.name().bottom() < layout.figures().top()
 
 
 def test_the_lock_in_a_row_locks(

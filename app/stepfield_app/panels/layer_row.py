@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 from stepfield.layers import UNASSIGNED
 from stepfield_app.appearance import ICON_SIZE, icon, numbers_font
 from stepfield_app.panels.layers_model import LayerRow, Notice, Role
-from stepfield_app.panels.row_layout import BAR, ROW_HEIGHT, SMALL, Part, RowLayout
+from stepfield_app.panels.row_layout import BAR, SMALL, Part, RowLayout, row_height
 from stepfield_app.style_sheet import mixed
 from stepfield_app.theme import DARK, Theme
 from stepfield_app.wording import grouped, metres, short
@@ -47,8 +47,10 @@ class LayerDelegate(QStyledItemDelegate):
         }
 
     def sizeHint(self, option: QStyleOptionViewItem, index: AnyIndex) -> QSize:  # noqa: N802
-        """Every row is as high as its picture."""
-        return QSize(240, ROW_HEIGHT)
+        """Every row is as high as its picture, which is smaller in a low list."""
+        view = option.widget
+        assert isinstance(view, QAbstractItemView)
+        return QSize(240, row_height(view.viewport().height()))
 
     # --- Painting -------------------------------------------------------------------------------------------
 

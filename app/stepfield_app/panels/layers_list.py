@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QRect, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QCursor, QDrag, QKeyEvent, QPainter, QPaintEvent, QPen, QPixmap
+from PySide6.QtGui import (
+    QColor,
+    QCursor,
+    QDrag,
+    QKeyEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+    QPixmap,
+    QResizeEvent,
+)
 from PySide6.QtWidgets import QAbstractItemView, QFrame, QListView, QWidget
 
 from stepfield_app.panels.layers_model import Notice
-from stepfield_app.panels.row_layout import ROW_HEIGHT
+from stepfield_app.panels.row_layout import FEW_ROWS, ROW_HEIGHT, row_height
 from stepfield_app.theme import DARK, Theme
 
 #: Height of what is said below the rows, its distance from the edges, and width of the line between rows.
@@ -68,7 +78,13 @@ class LayersList(QListView):
 
     def sizeHint(self) -> QSize:  # noqa: N802
         """Return a size that shows five layers."""
-        return QSize(300, 5 * ROW_HEIGHT)
+        return QSize(300, FEW_ROWS * ROW_HEIGHT)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Make all rows lower where few would be seen, so that the layers of most scans are."""
+        super().resizeEvent(event)
+        if row_height(event.oldSize().height()) != row_height(event.size().height()):
+            self.scheduleDelayedItemsLayout()
 
     def startDrag(self, supported: Qt.DropAction) -> None:  # noqa: N802
         """Carry the row under the hand, so that one sees through it where it would go."""
@@ -99,8 +115,8 @@ class LayersList(QListView):
             self._paint_foot(painter, self._foot)
 
     def _paint_gap(self, painter: QPainter, gap: int) -> None:
-        first = self.visualRect(self.model().index(0, 0)).top()
-        place = max(first + gap * ROW_HEIGHT, LINE)
+        first = self.visualRect(self.model().index(0, 0))
+        place = max(first.top() + gap * first.height(), LINE)
         painter.fillRect(QRect(0, place - LINE, self.viewport().width(), LINE), QColor(self._theme.accent))
 
     def _paint_foot(self, painter: QPainter, notice: Notice) -> None:

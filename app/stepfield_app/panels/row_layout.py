@@ -7,9 +7,16 @@ from enum import Enum
 
 from PySide6.QtCore import QPoint, QRect
 
-ROW_HEIGHT, THUMBNAIL, GAP, SWATCH, BAR, SMALL = 56, 48, 8, 14, 3, 11
-#: Side of what can be clicked.
-BUTTON = 24
+ROW_HEIGHT, GAP, SWATCH, BAR, SMALL = 56, 8, 14, 3, 11
+#: Rows are so high where fewer than this many of the others would be seen.
+LOW_ROW_HEIGHT, FEW_ROWS = 44, 5
+#: Side of what can be clicked, height of name and figures.
+BUTTON, TEXT = 24, 40
+
+
+def row_height(room: int) -> int:
+    """Return the height of all rows of a list that shows so many pixels of them."""
+    return ROW_HEIGHT if room >= FEW_ROWS * ROW_HEIGHT else LOW_ROW_HEIGHT
 
 
 class Part(Enum):
@@ -38,20 +45,22 @@ class RowLayout:
 
     def thumbnail(self) -> QRect:
         """Room of the picture."""
-        return self._square(self.room.right() - THUMBNAIL - 3, THUMBNAIL)
+        side = self.room.height() - 8
+        return self._square(self.room.right() - side - 3, side)
 
     def solo(self) -> QRect:
         """Room of the button that shows one layer alone: the upper one."""
-        return QRect(self.thumbnail().left() - BUTTON - 4, self.room.top() + 3, BUTTON, BUTTON)
+        side = min(BUTTON, (self.room.height() - 4) // 2)
+        return QRect(self.thumbnail().left() - side - 4, self.room.center().y() - side, side, side)
 
     def lock(self) -> QRect:
         """Room of the lock: the lower button."""
-        return QRect(self.solo().left(), self.solo().bottom() + 1, BUTTON, BUTTON)
+        return self.solo().translated(0, self.solo().height())
 
     def text(self) -> QRect:
         """Room of name, count and elevation."""
         left, right = self.swatch().right() + 1 + GAP, self.solo().left() - 4
-        return QRect(left, self.room.top() + 8, right - left, self.room.height() - 16)
+        return QRect(left, self.room.top() + (self.room.height() - TEXT) // 2, right - left, TEXT)
 
     def name(self) -> QRect:
         """Room of the name: the upper line."""
