@@ -230,7 +230,7 @@ def test_the_list_scrolls_under_a_drag_at_its_end(
 def test_in_a_low_panel_rows_are_lower_and_whole(
     desk: Desk, panel: LayersPanel, editing: LayersEditing, height: int
 ) -> None:
-    """On a small screen hardly a layer was seen; lowered, buttons and lines could leave their row or overlap."""
+    """On a small screen hardly a layer was seen; lowered, parts could leave their row or overlap."""
     panel.resize(300, height)
     QApplication.processEvents()
     room = panel.view.visualRect(panel.model.index(0))
