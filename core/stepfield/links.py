@@ -1,7 +1,7 @@
-"""Links between neighbouring pillars and the seams where a layering cuts them.
+"""Links between neighbouring pillars: which of them continue each other.
 
 Two pillars in compartments that share a side are linked when each is the other's nearest in elevation and
-they differ by no more than the link step. A seam is a link whose two pillars are in different layers: there
+they differ by no more than the link step. A link whose two pillars are in different layers is a seam: there
 the surfaces of the simulator have a hole (paper section 6, figure 4).
 """
 
@@ -10,16 +10,12 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.grid import Grid
 from stepfield.pillars import StepField
-
-if TYPE_CHECKING:  # layers are made from links, and tell of seams by them
-    from stepfield.layers import Layering
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -99,19 +95,6 @@ def linked(
     with ThreadPoolExecutor(2) as pool:
         pairs = list(pool.map(lambda there: _mutual(compartment, elevation, there, link_step), (east, south)))
     return pairs[0], pairs[1]
-
-
-def seams(links: Integers, layering: Layering) -> Integers:
-    """Return the links whose two pillars are in different layers, shape (S, 2).
-
-    A surface that ends at an obstacle is not cut there: the obstacle is as high.
-    """
-    one, other = layering.layer[links[:, 0]], layering.layer[links[:, 1]]
-    is_cut = (one != other) & (one >= 0) & (other >= 0)
-    if layering.obstacles:
-        is_cut &= ~np.isin(one, layering.obstacles) & ~np.isin(other, layering.obstacles)
-    cut: Integers = links[is_cut]
-    return cut
 
 
 def _mutual(compartment: Integers, elevation: Floats, neighbour: Integers, link_step: float) -> Integers:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stepfield.filling import NOTHING, Filled, Ground, fill
 from stepfield.heightmap import Frame, GrayScale, HeightMap, draw, with_filled
 from stepfield.layers import Layering
-from stepfield.links import Links, seams
+from stepfield.links import Links
 from stepfield.moves import Outcome
 from stepfield.parameters import Parameters
 from stepfield.pillars import StepField
@@ -110,7 +110,7 @@ class Reconstruction:
     @cached_property
     def seams(self) -> Integers:
         """Links that the layering cuts, shape (n, 2), int64; found when first asked for."""
-        return seams(self.links, self.layering)
+        return self.layering.seams(self.links)
 
     def height_map(self, layer: Layer) -> HeightMap:
         """Draw one layer (5.2); drawn on demand, as images of large grids would not fit side by side."""

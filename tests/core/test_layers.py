@@ -10,7 +10,7 @@ from tests.conftest import scan_of
 
 from stepfield.compartments import sort_into_compartments
 from stepfield.layers import UNASSIGNED, cheapest_layers, classify
-from stepfield.links import link, seams
+from stepfield.links import link
 from stepfield.pillars import StepField, build_pillars
 
 
@@ -84,8 +84,8 @@ def test_links_join_mutual_neighbours_within_the_step_and_seams_are_cut_links() 
     links = link(field, taking_part, 0.25)
     assert links.tolist() == [[0, 2], [1, 3], [3, 4]]
     rank, elevation = (classify(field, method) for method in ("rank", "elevation"))
-    assert len(seams(links, rank)) == 1
-    assert len(seams(links, elevation)) == 0
+    assert len(rank.seams(links)) == 1
+    assert len(elevation.seams(links)) == 0
 
 
 def test_links_run_north_south_too_and_never_wrap_round_the_edge() -> None:

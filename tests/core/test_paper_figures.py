@@ -10,7 +10,7 @@ from tests.conftest import scan_of
 
 from stepfield.compartments import sort_into_compartments
 from stepfield.layers import Layering, classify
-from stepfield.links import link, seams
+from stepfield.links import link
 from stepfield.pillars import StepField, build_pillars
 from stepfield.surface import as_simulator
 from stepfield.synth import synthesise
@@ -53,7 +53,7 @@ def test_figure_3_three_planes_are_three_homogeneous_layers() -> None:
         assert list(layers_of(layering, surface == number)) == [number], name
         spread = np.ptp(field.elevation[layering.layer == number])
         assert spread < 0.03, f"the layer of the {name} is not flat"
-    assert len(seams(link(field, layering.layer >= 0, TOLERANCE), layering)) == 0
+    assert len(layering.seams(link(field, layering.layer >= 0, TOLERANCE))) == 0
 
 
 def test_figure_4_the_inclined_plane_splits_over_the_three_layers_it_crosses() -> None:
@@ -83,7 +83,7 @@ def test_figure_4_the_cuts_are_holes_in_the_simulators_surface() -> None:
     width = np.ptp(grid.centres(field.compartment[whole])[:, 1])
     assert uncut - pieces > 1.5 * width * CELL, "two cuts, each a compartment wide, must be missing"
     assert uncut - pieces < 4 * width * CELL, "the holes have the size of the pillars"
-    assert len(seams(link(field, layering.layer >= 0, TOLERANCE), layering)) > 2 * 0.8 * width / CELL
+    assert len(layering.seams(link(field, layering.layer >= 0, TOLERANCE))) > 2 * 0.8 * width / CELL
 
 
 def test_figure_5_where_the_inclined_plane_crosses_another_both_are_built_of_several_layers() -> None:

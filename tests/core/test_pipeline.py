@@ -147,7 +147,7 @@ def test_links_are_found_when_asked_for(table: Path, monkeypatch: pytest.MonkeyP
     result = Pipeline().run([table], BASE)
     assert not looked
     assert np.array_equal(result.links, link(result.field, result.layering.layer != UNASSIGNED, 0.3))
-    assert np.array_equal(result.seams, links.seams(result.links, result.layering))
+    assert np.array_equal(result.seams, result.layering.seams(result.links))
     assert len(looked) == 1, "found anew each time"
 
 

@@ -18,7 +18,7 @@ from stepfield.layers import Layering, classify
 from stepfield.layers.cuts import UP, Ties, lowest, settled
 from stepfield.layers.patches import components
 from stepfield.layers.sheets import PARTED_A_SEAM
-from stepfield.links import link, seams
+from stepfield.links import link
 from stepfield.parameters import Parameters
 from stepfield.pillars import StepField, build_pillars
 from stepfield.pipeline import Pipeline
@@ -37,7 +37,7 @@ def field_of(heights: dict[tuple[int, int], list[float]], tolerance: float = 0.3
 
 
 def seams_of(field: StepField, layering: Layering, step: float = 0.3) -> int:
-    return len(seams(link(field, layering.layer >= 0, step), layering))
+    return len(layering.seams(link(field, layering.layer >= 0, step)))
 
 
 def scene(name: str, cell: float, tolerance: float, scanner: bool = False) -> StepField:

@@ -58,6 +58,18 @@ class Layering:
         among: NDArray[np.bool_] = kinds[self.layer]
         return among
 
+    def seams(self, links: Integers) -> Integers:
+        """Return the links (L, 2) whose two pillars are in different layers, shape (S, 2).
+
+        A surface that ends at an obstacle is not cut there: the obstacle is as high.
+        """
+        one, other = self.layer[links[:, 0]], self.layer[links[:, 1]]
+        is_cut = (one != other) & (one >= 0) & (other >= 0)
+        if self.obstacles:
+            is_cut &= ~np.isin(one, self.obstacles) & ~np.isin(other, self.obstacles)
+        cut: Integers = links[is_cut]
+        return cut
+
     def averages(self, elevation: Floats) -> Floats:
         """Average elevation of each layer, shape (count,); NaN for a layer without pillars."""
         return averages(elevation, self.layer, self.count)
