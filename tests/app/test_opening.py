@@ -20,6 +20,7 @@ from stepfield_app import demo
 from stepfield_app.opening import DropTarget, ask_for_files, file_filters, openable, work_at
 from stepfield_app.settings import Settings
 from stepfield_app.views.status import Status
+from stepfield_app.views.strip import Detail
 from stepfield_app.views.welcome import WelcomePage
 
 #: Qt's platform for tests without a screen says so at every window.
@@ -134,6 +135,30 @@ def test_the_status_bar_does_not_jump(qtbot: QtBot) -> None:
     status.show_progress(0.5, "reading a scan whose name is much longer than there is room for it.laz")
     QApplication.processEvents()
     assert [child.geometry() for child in status.findChildren(QWidget)] == before
+
+
+def test_a_sentence_has_the_room_of_the_figures(qtbot: QtBot) -> None:
+    """What was done would be cut in the middle of the bar, by a place for work that nobody does."""
+    status = Status()
+    qtbot.addWidget(status)
+    status.resize(1600, 24)
+    status.show()
+    before = status._work.geometry()
+    status.say("Move 2508 pillars to Layer 2: 62 pillars swapped, 2036 pillars stayed")
+    qtbot.waitUntil(lambda: not status._result.isVisible())
+    QApplication.processEvents()
+    assert status._work.geometry() == before
+
+
+def test_a_remark_is_never_cut(qtbot: QtBot) -> None:
+    """The style leaves room beside it: a bracket was lost there."""
+    remark = Detail()
+    qtbot.addWidget(remark)
+    remark.setStyleSheet("padding: 0 8px")
+    remark.say("selected (Layer 1: 1328)", "selected")
+    remark.resize(remark.fontMetrics().horizontalAdvance("selected (Layer 1: 1328)") + 10, 20)
+    remark.show()
+    assert remark.text() == "selected"
 
 
 def test_work_can_be_stopped_from_the_status_bar(qtbot: QtBot) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QUndoView, QVBoxLayout, QWidget
 
 from stepfield_app.document import Document
@@ -25,6 +26,8 @@ class HistoryPanel(QWidget):
         self.view = QUndoView(document.undo_stack, self)
         self.view.setAccessibleName("History")
         self.view.setUniformItemSizes(True)  # or every step would measure all steps before it
+        self.view.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.view.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         self.view.setToolTip("Steps taken so far: click one to go back or forward to it (Ctrl+Z, Ctrl+Y)")
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QStatusBar, QToolButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QToolButton, QWidget
 
 from stepfield_app.appearance import icon, numbers_font
 from stepfield_app.views.strip import Detail
@@ -121,6 +121,8 @@ class _Work(QWidget):
         self.cancel.setIcon(icon("cancel"))
         self.cancel.setToolTip("Stop this (Esc)")
         self.cancel.setAccessibleName("Stop")
+        # No wider where figures give way to a sentence: that would be cut by what is not there.
+        self.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Preferred)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 4, 0)
         layout.setSpacing(4)

@@ -80,7 +80,7 @@ class Detail(QLabel):
         self._fit()
 
     def _fit(self) -> None:
-        advance, room = self.fontMetrics().horizontalAdvance, self.width()
+        advance, room = self.fontMetrics().horizontalAdvance, self.contentsRect().width()
         self.setText(next((text for text in self._wordings if advance(text) <= room), ""))
 
 
