@@ -20,6 +20,7 @@ from stepfield.margins import margins
 from stepfield.pillars import StepField
 from stepfield.places import best_of_runs
 from stepfield.plan import Plan as Plan
+from stepfield.plan import in_threes
 from stepfield.project import AnyLayer, ExistingLayer, LayerStyle, Move, NewLayer
 from stepfield.reconstruction import Reconstruction
 
@@ -243,7 +244,7 @@ def _names(result: Reconstruction) -> set[str]:
 
 
 def _pillars(number: int) -> str:
-    return f"{number} pillar" if number == 1 else f"{number} pillars"
+    return f"{number} pillar" if number == 1 else f"{in_threes(number)} pillars"
 
 
 def _why_no_name(result: Reconstruction, name: str) -> str:

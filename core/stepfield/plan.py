@@ -49,12 +49,12 @@ class Plan:
     def sentence(self) -> str:
         """What would happen, as short as can be, or why nothing can: "move 212, swap 14, 3 locked"."""
         parts = (
-            (f"move {self.moved}", self.moved),
-            (f"swap {self.swapped}", self.swapped),
-            (f"leave {self.left}", self.left),
-            (f"{self.unassigned} to Unassigned", self.unassigned),
-            (f"{self.stay} stay", self.stay),
-            (f"{self.locked} locked", self.locked),
+            (f"move {in_threes(self.moved)}", self.moved),
+            (f"swap {in_threes(self.swapped)}", self.swapped),
+            (f"leave {in_threes(self.left)}", self.left),
+            (f"{in_threes(self.unassigned)} to Unassigned", self.unassigned),
+            (f"{in_threes(self.stay)} stay", self.stay),
+            (f"{in_threes(self.locked)} locked", self.locked),
         )
         return self.reason or ", ".join(said for said, number in parts if number) or self.text
 
@@ -73,3 +73,8 @@ class Plan:
             if style.index != self.made and (number := renumbered(style.index, self.numbers)) != UNASSIGNED
         ]
         return tuple(sorted(kept, key=lambda style: style.index))
+
+
+def in_threes(number: int) -> str:
+    """Write a whole number with its digits in threes, as the window writes all of them: 12 431."""
+    return f"{number:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")

@@ -147,6 +147,7 @@ def test_an_edit_that_later_ones_need_stays_and_says_why(desk: Desk, panel: Move
     [
         (Outcome(moved=1), "1 pillar moved"),
         (Outcome(moved=212, swapped=14, left=3), "212 pillars moved, 14 swapped, 3 left"),
+        (Outcome(moved=2508, swapped=1062), "2\u202f508 pillars moved, 1\u202f062 swapped"),
         (Outcome(unassigned=7), "7 pillars to Unassigned"),
         (Outcome(), "changes no pillar"),
         (Outcome(reason="there is no layer left to move to"), "There is no layer left to move to"),

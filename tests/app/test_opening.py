@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
-from PySide6.QtWidgets import QApplication, QFileDialog, QPushButton, QWidget
+from PySide6.QtWidgets import QApplication, QFileDialog, QLabel, QPushButton, QWidget
 from pytestqt.qtbot import QtBot
 
 from stepfield.errors import Cancelled, ProjectError, ScanError
@@ -19,6 +19,7 @@ from stepfield.scan import FORMATS, read_scan
 from stepfield_app import demo
 from stepfield_app.opening import DropTarget, ask_for_files, file_filters, openable, work_at
 from stepfield_app.settings import Settings
+from stepfield_app.views.header import ViewHeader
 from stepfield_app.views.status import Status
 from stepfield_app.views.strip import Detail
 from stepfield_app.views.welcome import WelcomePage
@@ -120,6 +121,28 @@ def test_the_empty_window_offers_three_ways(qtbot: QtBot) -> None:
         if button.isVisible():
             button.click()
     assert chosen == ["open", "demo", files]
+
+
+def test_the_welcome_page_is_scrolled_where_it_is_too_high(qtbot: QtBot) -> None:
+    """In a small window its lines lay over one another, and letters were cut."""
+    page = WelcomePage([(Path(f"/scans/{at}.laz"),) for at in range(6)])
+    qtbot.addWidget(page)
+    page.resize(720, 260)
+    page.show()
+    for part in page.findChildren(QLabel):
+        assert part.isHidden() or part.height() >= part.heightForWidth(part.width())
+
+
+def test_the_name_of_a_view_is_never_cut(qtbot: QtBot) -> None:
+    """The last letter was, beside the colours in a window of 1280 pixels."""
+    header = ViewHeader("Reconstruction", "Ctrl+3")
+    qtbot.addWidget(header)
+    header.set_colours((("layer", "Layer"), ("height", "Height")), "layer")
+    header.show()
+    for width in range(160, 320, 5):
+        header.resize(width, header.height())
+        QApplication.processEvents()
+        assert header.title.width() >= header.title.sizeHint().width(), width
 
 
 def test_the_status_bar_does_not_jump(qtbot: QtBot) -> None:

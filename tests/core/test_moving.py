@@ -252,3 +252,9 @@ def test_a_forecast_counts_what_the_plan_counts(
         told = moving.forecast(result, chosen, target, conflict=conflict, locked=locked)
         plan = moving.move_to(result, chosen, target, conflict=conflict, locked=locked)
         assert told == replace(plan, moves=())
+
+
+def test_large_numbers_are_written_as_the_window_writes_them() -> None:
+    """A hand that carries 1 328 pillars would be told that it moves 1328."""
+    plan = moving.Plan("", moved=1328, swapped=106, stay=2036)
+    assert plan.sentence == "move 1\u202f328, swap 106, 2\u202f036 stay"

@@ -18,7 +18,7 @@ from PySide6.QtCore import (
 
 from stepfield.moves import Outcome
 from stepfield.project import Move
-from stepfield_app.wording import counted
+from stepfield_app.wording import counted, grouped
 
 AnyIndex = QModelIndex | QPersistentModelIndex
 
@@ -64,7 +64,7 @@ def told(outcome: Outcome) -> str:
     first, *others = [(number, what) for number, what in parts if number] or [(0, "")]
     if not first[1]:
         return NOTHING
-    more = "".join(f", {number} {what}" for number, what in others)
+    more = "".join(f", {grouped(number)} {what}" for number, what in others)
     return f"{counted(first[0], 'pillar')} {first[1]}{more}"
 
 

@@ -9,10 +9,12 @@ from PySide6.QtGui import QMouseEvent, QResizeEvent
 from PySide6.QtWidgets import QComboBox, QWidget
 
 from stepfield_app.controls import named, snug
-from stepfield_app.views.strip import SPACING, Strip, tool_button
+from stepfield_app.views.strip import Strip, tool_button
 
 #: A header is never narrower, and what stands in it beside its name and the colours; pixels.
 LEAST_WIDTH, BESIDE = 160, 56
+#: Pixels between what stands in it.
+NARROW = 4
 
 
 class ViewHeader(Strip):
@@ -35,6 +37,7 @@ class ViewHeader(Strip):
         enlarge.clicked.connect(self.enlarge_asked)
         self.add(self._colours, enlarge)
         self._row.insertWidget(self._row.indexOf(self._colours), self._ways)
+        self._row.setSpacing(NARROW)  # three views stand side by side, and no name is to be cut
         self.setMinimumWidth(LEAST_WIDTH)
 
     def set_colours(self, modes: Sequence[tuple[str, str]], chosen: str) -> None:
@@ -67,7 +70,7 @@ class ViewHeader(Strip):
         for box in (self._colours, self._ways):
             is_offered = box.count() > 1 and room >= box.width()
             box.setVisible(is_offered)
-            room -= box.width() + SPACING if is_offered else 0
+            room -= box.width() + NARROW if is_offered else 0
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         """Enlarge the view, or put it back."""

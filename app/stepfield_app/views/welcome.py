@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QScrollArea, QVBoxLayout, QWidget
 
 from stepfield.scan import FORMATS
 from stepfield_app.appearance import ICON_SIZE, icon
@@ -28,14 +29,23 @@ class WelcomePage(QWidget):
         self._recent = QVBoxLayout()
         self._recent.setSpacing(0)
         self._nothing_recent = _muted("Scans that were open will be listed here.")
-        page = QWidget(self)
+        self._page = page = QWidget()
         page.setFixedWidth(_WIDTH)
         self._fill(QVBoxLayout(page))
-        outer = QVBoxLayout(self)
+        middle = QWidget()
+        outer = QVBoxLayout(middle)
         outer.addStretch(2)
         outer.addLayout(_centred(page))
         outer.addStretch(3)
+        whole = QVBoxLayout(self)
+        whole.setContentsMargins(0, 0, 0, 0)
+        whole.addWidget(_scrolled(middle))
         self.set_recent(recent)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Keep the page as high as its wrapped lines are: what scrolls it does not ask."""
+        super().resizeEvent(event)
+        self._page.setMinimumHeight(self._page.heightForWidth(_WIDTH))
 
     def set_recent(self, recent: Sequence[Files]) -> None:
         """List what was open before, the newest first."""
@@ -94,6 +104,18 @@ class WelcomePage(QWidget):
         button.setAccessibleName(f"Open {files[0].name}{more} again")
         button.clicked.connect(lambda: self.files_chosen.emit(files))
         return button
+
+
+def _scrolled(page: QWidget) -> QScrollArea:
+    """Let a page be scrolled in a window too low for it: its lines would lie over one another."""
+    area = QScrollArea(widgetResizable=True)
+    area.setFrameShape(QFrame.Shape.NoFrame)
+    area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    area.setWidget(page)
+    for part in (area, area.viewport(), page):
+        part.setAutoFillBackground(False)
+    return area
 
 
 def _centred(page: QWidget) -> QHBoxLayout:
