@@ -8,12 +8,25 @@ from typing import BinaryIO
 
 from stepfield_app.render.protocol import Draw, Message, SetScene, message
 
+#: Seconds without a message after which it is quiet.
+QUIET = 1.0
+
 
 class Inbox:
-    """Messages not yet taken, in order."""
+    """Messages not yet taken, in order.
 
-    def __init__(self, pipe: BinaryIO, at_end: Callable[[], None]) -> None:
-        self._pipe, self._at_end = pipe, at_end
+    Parameters
+    ----------
+    pipe : binary file
+        Where they come from.
+    at_end : callable
+        Called once no more can come, on the thread that reads.
+    at_quiet : callable
+        Called by who waits for the next one, once none has come for a while.
+    """
+
+    def __init__(self, pipe: BinaryIO, at_end: Callable[[], None], at_quiet: Callable[[], None]) -> None:
+        self._pipe, self._at_end, self._at_quiet = pipe, at_end, at_quiet
         self._waiting: list[Message] = []
         self._changed = Condition()
         Thread(target=self._read, name="inbox", daemon=True).start()
@@ -21,6 +34,8 @@ class Inbox:
     def take(self, wait: bool) -> list[Message]:
         """Take all there are; with ``wait`` at least one."""
         with self._changed:
+            if wait and not self._waiting and not self._changed.wait(QUIET):
+                self._at_quiet()
             while wait and not self._waiting:
                 self._changed.wait()
             taken, self._waiting = self._waiting, []

@@ -43,6 +43,7 @@ from stepfield_app.render.protocol import (
 from stepfield_app.render.scene import EMPTY
 from stepfield_app.render.store import mapped, mapped_bytes, remove
 from stepfield_app.render.subject import Subject
+from stepfield_app.spare import give_back, keep
 from stepfield_app.urgency import give_way_altogether
 
 Say = Callable[[Message], None]
@@ -214,13 +215,14 @@ def speaker() -> Say:
 def main(folders: Sequence[str]) -> None:
     """Draw until the window is gone."""
     give_way_altogether()
+    keep()
     say = speaker()
 
     def end() -> None:
         remove([Path(folder) for folder in folders])
         os._exit(0)
 
-    inbox = Inbox(sys.stdin.buffer, end)
+    inbox = Inbox(sys.stdin.buffer, end, give_back)
     try:
         library = load()
         Canvases(library).fitting("first", 1, (64, 64))
