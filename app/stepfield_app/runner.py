@@ -1,15 +1,16 @@
 """The method on a thread of its own, quick while a hand moves and exact once it rests.
 
 What depends on sorted points only (tolerance, alpha, layering, moves) is quick by itself and exact at once.
-What needs a large scan sorted anew (cell size, cleaning) is made from fewer points first, and where very many
-pillars would be layered by surface, they are layered by elevation first; when the hand has stopped, the exact
-result follows.
+What needs a large scan sorted anew (cell size, cleaning) is made from fewer points first, and where layering
+by surface would take long, layers are made by elevation first; when the hand has stopped, the exact result
+follows.
 """
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from PySide6.QtCore import QObject, Signal
@@ -25,8 +26,10 @@ from stepfield_app.requests import Answer, Request
 PREVIEW_POINTS = 350_000
 #: Scans up to this size are always made exactly: that takes no longer than a blink.
 SMALL_SCAN = 1_000_000
-#: Up to so many pillars are always layered as wished.
-FEW_PILLARS = 150_000
+#: Up to so much labour layers are always made as wished: no longer than a quarter of a second.
+LITTLE_LABOUR = 150_000
+#: A seam takes as long to find as so many pillars take that need none.
+SEAM_LABOUR = 100
 #: Seconds between two answers: as many as the window can show beside following the hand.
 PACE = 0.1
 
@@ -37,6 +40,15 @@ class Outcome:
 
     answer: Answer
     facts: ScanFacts
+
+    @cached_property
+    def labour(self) -> int:
+        """What its layering takes by surface, counted in pillars that need no seam."""
+        result = self.answer.result
+        pillars = len(result.field)
+        if pillars > LITTLE_LABOUR or not is_by_surface(self.answer.request):
+            return pillars
+        return pillars + SEAM_LABOUR * len(result.seams)
 
 
 class _Work:
@@ -51,7 +63,7 @@ class _Work:
         self._pipeline = Pipeline()
         self._facts: ScanFacts | None = None
         self._sorted: Any = None  # foundation of the points that are sorted, all of them
-        self._pillars = 0  # of the last exact result: a hand sees one way of layering until it rests
+        self._labour = 0  # of the last exact result: a hand sees one way of layering until it rests
 
     def __call__(self, request: Request, progress: Progress) -> Outcome:
         """Run the method; a scan that cannot be opened leaves the stages of the present one as they are."""
@@ -59,7 +71,7 @@ class _Work:
         is_new = request.scans != self._scans
         pipeline = Pipeline() if is_new else self._pipeline
         is_sorted = not is_new and foundation(request) == self._sorted
-        hasty = request.quick and not is_new and self._pillars > FEW_PILLARS and is_by_surface(request)
+        hasty = request.quick and not is_new and self._labour > LITTLE_LABOUR and is_by_surface(request)
         result = pipeline.run(
             request.scans,
             request.parameters.model_copy(update={"layering": "elevation"}) if hasty else request.parameters,
@@ -76,11 +88,12 @@ class _Work:
         if not is_thinned:
             self._sorted = foundation(request)
         quick = is_thinned or hasty
-        if not quick:
-            self._pillars = len(result.field)
         answer = Answer(replace(request, quick=quick), result, time.perf_counter() - start)
         answer.summaries()  # found here, so that the window need not wait for them
-        return Outcome(answer, self._facts)
+        outcome = Outcome(answer, self._facts)
+        if not quick:
+            self._labour = outcome.labour
+        return outcome
 
 
 class Runner(QObject):
@@ -104,7 +117,7 @@ class Runner(QObject):
         self._settled = True
         self._previewed: Request | None = None  # whose preview has arrived
         self._sorted: Any = None  # foundation of the points that are sorted, all of them
-        self._points = self._pillars = 0  # of the last result, and of the last exact one
+        self._points = self._labour = 0  # of the last result, and of the last exact one
         self._layered: Any = None  # what the layers depended on that are there, exactly
         pace = PACE if threaded else 0.0
         self._worker = NewestWins[Request, Outcome](_Work(), "runner", self, pace=pace, threaded=threaded)
@@ -148,7 +161,7 @@ class Runner(QObject):
         """Stop, and give the memory of the last scan back."""
         self.cancel()
         self._sorted = self._layered = None
-        self._points = self._pillars = 0
+        self._points = self._labour = 0
         self._worker.forget()
 
     def close(self) -> None:
@@ -174,11 +187,11 @@ class Runner(QObject):
         return self._sorted is not None and self._sorted[0] == request.scans
 
     def _is_costly(self, request: Request) -> bool:
-        """Whether all points of a large scan would have to be sorted anew, or very many pillars layered."""
+        """Whether all points of a large scan would have to be sorted anew, or layers take long."""
         running, wanted = self._worker.running, foundation(request)
         if wanted == self._sorted or (running and not running.quick and foundation(running) == wanted):
-            is_many = self._pillars > FEW_PILLARS and is_by_surface(request)
-            return is_many and layers_depend_on(request) != self._layered
+            takes_long = self._labour > LITTLE_LABOUR and is_by_surface(request)
+            return takes_long and layers_depend_on(request) != self._layered
         return self._points > SMALL_SCAN or not self._scan_is_that_of(request)
 
     def _makes_worthless(self, request: Request) -> bool:
@@ -191,7 +204,7 @@ class Runner(QObject):
     def _receive(self, request: Request, outcome: Outcome) -> None:
         answer, self._points = outcome.answer, len(outcome.answer.result.scan)
         if not answer.request.quick:
-            self._pillars = len(answer.result.field)
+            self._labour = outcome.labour
             self._sorted, self._layered = foundation(request), layers_depend_on(request)
         self.answered.emit(answer, outcome.facts)
         if answer.request.quick:

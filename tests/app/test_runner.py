@@ -230,7 +230,7 @@ def test_very_many_pillars_are_layered_by_elevation_until_the_hand_rests(
     """By surface they would take so long that nothing followed the hand."""
     runner.ask(large)
     exact = heard.answers[-1].result
-    monkeypatch.setattr(module, "FEW_PILLARS", len(exact.field) - 1)
+    monkeypatch.setattr(module, "LITTLE_LABOUR", len(exact.field) - 1)
     heard.quick()
     finer = changed(large, layer_tolerance=0.2)
     runner.ask(finer, settled=False)
@@ -246,16 +246,33 @@ def test_very_many_pillars_are_layered_by_elevation_until_the_hand_rests(
     assert heard.quick() == [False], "by elevation there is nothing to wait for"
 
 
+def test_layers_with_many_seams_take_long_too(
+    runner: Runner, heard: Listener, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a tangle of a hundred thousand pillars hardly one result a second followed the hand."""
+    np.save(tmp_path / "tangle.npy", np.random.default_rng(1).random((900, 3)) * 3)
+    tangle = Request((tmp_path / "tangle.npy",), BASE)
+    runner.ask(tangle)
+    exact = heard.answers[-1].result
+    assert len(exact.seams)
+    labour = len(exact.field) + module.SEAM_LABOUR * len(exact.seams)
+    for most, is_preview in ((labour - 1, True), (labour, False)):
+        monkeypatch.setattr(module, "LITTLE_LABOUR", most)
+        heard.quick()
+        runner.ask(changed(tangle, layer_tolerance=0.2 + 0.01 * is_preview), settled=False)
+        assert heard.quick() == [is_preview]
+
+
 def test_one_way_of_layering_follows_a_hand_until_it_rests(
     runner: Runner, heard: Listener, large: Request, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Layers would change to and fro under the hand: previews have fewer pillars than what they stand for."""
     runner.ask(large)
-    monkeypatch.setattr(module, "FEW_PILLARS", len(heard.answers[-1].result.field) - 1)
+    monkeypatch.setattr(module, "LITTLE_LABOUR", len(heard.answers[-1].result.field) - 1)
     heard.quick()
     for cell in (0.22, 0.3, 0.6):
         runner.ask(changed(large, cell_size=cell), settled=False)
     assert [answer.result.parameters.layering for answer in heard.answers] == ["elevation"] * 3
-    assert len(heard.answers[-1].result.field) < module.FEW_PILLARS
+    assert len(heard.answers[-1].result.field) < module.LITTLE_LABOUR
     runner.settle()
     assert heard.answers[-1].result.parameters.layering == "surface"
