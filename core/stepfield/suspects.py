@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.layers import UNASSIGNED
-from stepfield.pillars import StepField
 from stepfield.progress import Progress, silent
 from stepfield.reconstruction import Reconstruction
+from stepfield.touching import Groups
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -93,7 +93,8 @@ def suspects(result: Reconstruction, progress: Progress = silent, most: int = MO
     progress(0.2, "looking for suspicious places")
     masks = {CLOSE: other != UNASSIGNED, SEAMS: at_seams(result), ISOLATED: isolated(result)}
     progress(0.7, "looking for suspicious places")
-    groups = {kind: _Groups.of(result, mask) for kind, mask in masks.items()}
+    reach = max(float(result.parameters.link_step), result.field.compartments.grid.cell_size)
+    groups = {kind: Groups.of(result.field, np.flatnonzero(mask), reach) for kind, mask in masks.items()}
     telling = {
         CLOSE: _close_sentence(result, other),
         SEAMS: _seam_sentence(result),
@@ -194,57 +195,6 @@ def isolated(result: Reconstruction) -> Mask:
 
 
 # --- Places -------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False)
-class _Groups:
-    """Pillars that touch: members in order of group, and where each group begins."""
-
-    pillars: Integers
-    start: Integers
-
-    def __len__(self) -> int:
-        return len(self.start) - 1
-
-    @classmethod
-    def of(cls, result: Reconstruction, mask: Mask) -> _Groups:
-        """Group pillars of touching compartments that are about as high."""
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
-        chosen = np.flatnonzero(mask)
-        reach = max(float(result.parameters.link_step), result.field.compartments.grid.cell_size)
-        one, other = _touching(result.field, chosen, reach)
-        graph = coo_array((np.ones(len(one), bool), (one, other)), shape=(len(chosen), len(chosen)))
-        count, group = connected_components(graph, directed=False) if len(chosen) else (0, chosen)
-        sizes = np.bincount(group, minlength=count)
-        return cls(chosen[np.argsort(group, kind="stable")], np.append(0, np.cumsum(sizes)))
-
-    def largest(self, most: int) -> list[Integers]:
-        """Pillars of the largest groups, ascending; the largest group first."""
-        order = np.argsort(-np.diff(self.start), kind="stable")[:most]
-        return [self.pillars[self.start[number] : self.start[number + 1]] for number in order]
-
-
-def _touching(field: StepField, chosen: Integers, reach: float) -> tuple[Integers, Integers]:
-    """Pairs of places in ``chosen`` whose compartments touch and whose heights differ by up to ``reach``."""
-    grid, compartment, elevation = field.compartments.grid, field.compartment[chosen], field.elevation[chosen]
-    # Whole steps, so that compartment and elevation make one ascending key.
-    scale = (2**31 - 1) / max(float(elevation.max(initial=0.0)), reach, 1e-30)
-    height, within = (elevation * scale).astype(np.int64), int(reach * scale)
-    key = compartment << 32 | height
-    row, column = grid.row_column(compartment)
-    above = np.flatnonzero((np.diff(compartment) == 0) & (np.diff(height) <= within))
-    pairs = [(above, above + 1)]
-    for down, right in ((0, 1), (1, -1), (1, 0), (1, 1)):
-        is_inside = (column + right >= 0) & (column + right < grid.columns) & (row + down < grid.rows)
-        there = (compartment + down * grid.columns + right) << 32
-        found = np.searchsorted(key, there + np.maximum(height - within, 0))
-        found = np.minimum(found, len(key) - 1)
-        near = (key[found] >= there) & (key[found] <= there + np.minimum(height + within, 2**31 - 1))
-        pairs.append((np.flatnonzero(is_inside & near), found[is_inside & near]))
-    one, other = (np.concatenate(ends) for ends in zip(*pairs, strict=True))
-    return one, other
 
 
 def _place(result: Reconstruction, kind: str, pillars: Integers, told: Callable[[Integers], str]) -> Place:
