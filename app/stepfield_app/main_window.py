@@ -16,17 +16,7 @@ from stepfield_app.appearance import Appearance
 from stepfield_app.commands.filing import Filing
 from stepfield_app.document import Document
 from stepfield_app.editor import Editor
-from stepfield_app.feeds.complex_feed import ComplexFeed
-from stepfield_app.feeds.demo_feed import DemoFeed
-from stepfield_app.feeds.fidelity_feed import FidelityFeed
-from stepfield_app.feeds.lead import Lead
-from stepfield_app.feeds.plot_feed import PlotFeed
-from stepfield_app.feeds.recolour_feed import RecolourFeed
-from stepfield_app.feeds.scene_feed import SceneFeed
-from stepfield_app.feeds.selection_feed import SelectionFeed
-from stepfield_app.feeds.status_feed import StatusFeed
-from stepfield_app.feeds.stray_feed import StrayFeed
-from stepfield_app.feeds.suspect_feed import SuspectFeed
+from stepfield_app.feeds.feeds import Feeds
 from stepfield_app.first_paint import FirstPaint
 from stepfield_app.opening import DropTarget
 from stepfield_app.panels.cleaning import CleaningPanel
@@ -53,10 +43,6 @@ from stepfield_app.views.strip import Strip
 from stepfield_app.views.trio import Trio
 from stepfield_app.views.welcome import WelcomePage
 from stepfield_app.wording import advice
-
-Feed = (
-    SceneFeed | RecolourFeed | PlotFeed | FidelityFeed | StrayFeed | SelectionFeed | SuspectFeed | ComplexFeed
-)
 
 #: Size of the window when nothing else is said.
 USUAL_SIZE = (1440, 900)
@@ -96,7 +82,7 @@ class MainWindow(QMainWindow):
         self.first_paint = FirstPaint(self)
         self._make_views()
         self._make_panels()
-        self._make_feeds()
+        self.feeds = Feeds(self)
         self._make_tools()
         self.filing = Filing(self, remembers=remembers)
         self.actions_ = commands.make(self)
@@ -151,43 +137,16 @@ class MainWindow(QMainWindow):
             profile=docks.docked(self, "Profile", self.profile, docks.BOTTOM),
         )
 
-    def _make_feeds(self) -> None:
-        self.scene_feed = SceneFeed(self.document, self.trio, self.client)
-        self.recolour_feed = RecolourFeed(self.document, self.trio, self.client, self.scene_feed)
-        self.plot_feed = PlotFeed(
-            self.document, self.scene_feed, self.map, self.profile, self.histogram, self.layers
-        )
-        is_drawn = self.scene_feed.is_drawn
-        self.fidelity_feed = FidelityFeed(self.document, self.fidelity, is_drawn)
-        self.fidelity_feed.changed.connect(self.plot_feed.set_facts)
-        self.status_feed = StatusFeed(self.document, self.status, self.trio, self.map, self.scene_feed)
-        self.stray_feed = StrayFeed(self.document, self.cleaning, self.scene_feed)
-        self.demo_feed = DemoFeed(self)
-        self.selection_feed = SelectionFeed(self.document, self.selection, self.scene_feed, self.client)
-        self.complex_feed = ComplexFeed(self.document, self.scene_feed, self.map, self.complex_marks)
-        self.complex_feed.shown.connect(self.fidelity_feed.set_meshed)
-        lead = Lead(self.document, self.map, self.trio, self.scene_feed, self.selection_feed)
-        self.suspect_feed = SuspectFeed(
-            *(self.document, self.selection, self.map, self.marks, self.mark_box, self.suspects),
-            *(lead, is_drawn),
-        )
-
     def _make_tools(self) -> None:
-        self.crop_tool = CropTool(self.document, self.trio, self.scene_feed)
+        self.crop_tool = CropTool(self.document, self.trio, self.feeds.scene)
         views = Views(self.trio, self.map, self.profile, self.status)
         self.select_tools = SelectTools(
-            self.document, self.selection, self.editor, views, self.scene_feed, self.layers.visible_layers
+            self.document, self.selection, self.editor, views, self.feeds.scene, self.layers.visible_layers
         )
         self._centre.insertWidget(1, self.select_tools.strip)
 
-    @property
-    def _feeds(self) -> tuple[Feed, ...]:
-        """What asks workers for pictures, in the order in which it has to end."""
-        plans = self.suspect_feed, self.selection_feed, self.fidelity_feed, self.plot_feed
-        return *plans, self.stray_feed, self.complex_feed, self.recolour_feed, self.scene_feed
-
     def _connect(self) -> None:
-        document = self.document
+        document, feeds = self.document, self.feeds
         self.first_paint.happened.connect(self.client.start)  # takes seconds, and nobody has to wait
         document.failed.connect(self.tell)
         document.opened.connect(self._note_opened)
@@ -196,23 +155,23 @@ class MainWindow(QMainWindow):
             document.pending_changed.connect(view.set_pending)
         self.profile.place_hovered.connect(lambda x, y: self.map.set_mark((x, y)))
         self.profile.cursor_left.connect(lambda: self.map.set_mark(None))
-        for source in (*self._feeds, self.demo_feed, self.selection, self.select_tools):
+        for source in (*feeds, feeds.demo, self.selection, self.select_tools):
             source.failed.connect(self.tell)
-        for says in (self.editor.told, self.suspect_feed.told, self.complex_feed.told):
+        for says in (self.editor.told, feeds.suspect.told, feeds.complex.told):
             says.connect(self.status.say)
         document.undo_stack.indexChanged.connect(lambda _: self.status.clearMessage())  # undone, perhaps
         self.layers.visibility_changed.connect(self._show_layers)
         self.fidelity.map_wanted.connect(self.show_map)
-        self.moves.places_shown.connect(self.selection_feed.show_places)
+        self.moves.places_shown.connect(feeds.selection.show_places)
         self.cleaning.crop_tool_requested.connect(self.crop_tool.set_active)
         self.cleaning.crop_tool_requested.connect(self._show_cleaning)
         self.welcome.open_wanted.connect(self.filing.choose_files)
-        self.welcome.demo_wanted.connect(self.demo_feed.start)
+        self.welcome.demo_wanted.connect(feeds.demo.start)
         self.welcome.files_chosen.connect(self.open_scans)
-        self.demo_feed.progressed.connect(self.status.show_progress)
-        self.complex_feed.progressed.connect(self.status.show_progress)
-        self.complex_feed.rested.connect(self.status.clear_progress)
-        self.demo_feed.made.connect(self.open_scans)
+        feeds.demo.progressed.connect(self.status.show_progress)
+        feeds.complex.progressed.connect(self.status.show_progress)
+        feeds.complex.rested.connect(self.status.clear_progress)
+        feeds.demo.made.connect(self.open_scans)
         self.status.cancel_wanted.connect(self.cancel)
         DropTarget(self).dropped.connect(self.open_scans)
         self.appearance.changed.connect(self._dress)
@@ -231,8 +190,7 @@ class MainWindow(QMainWindow):
 
     def cancel(self) -> None:
         """Stop what is being made."""
-        self.demo_feed.cancel()
-        self.complex_feed.cancel()
+        self.feeds.cancel()
         self.filing.cancel()
         self.document.cancel()
 
@@ -254,9 +212,9 @@ class MainWindow(QMainWindow):
     def is_settled(self) -> bool:
         """Whether everything that was asked for is on the screen."""
         document = self.document
-        if document.busy or document.pending or self.demo_feed.is_busy or self.selection.busy:
+        if document.busy or document.pending or self.selection.busy:
             return False
-        parts = self.filing, self.editor, self.select_tools, *self._feeds
+        parts = self.filing, self.editor, self.select_tools, self.feeds
         return all(part.is_idle for part in parts) and self._is_drawn()
 
     def _is_drawn(self) -> bool:
@@ -284,8 +242,8 @@ class MainWindow(QMainWindow):
 
     def _show_layers(self) -> None:
         visible = self.layers.visible_layers()
-        self.scene_feed.set_visible(visible)
-        self.selection_feed.set_visible(visible)
+        self.feeds.scene.set_visible(visible)
+        self.feeds.selection.set_visible(visible)
 
     def _show_cleaning(self, is_wanted: bool) -> None:
         """Bring the numbers of the crop box to the front while it is worked on."""
@@ -308,7 +266,7 @@ class MainWindow(QMainWindow):
             self.select_tools,
         ):
             part.set_theme(theme)
-        self.scene_feed.set_theme(theme)
+        self.feeds.scene.set_theme(theme)
 
     def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
         """Stop everything; no process and no thread is left."""
@@ -319,7 +277,7 @@ class MainWindow(QMainWindow):
             docks.remember(self, self.settings)
         for dialog in self.findChildren(QDialog):
             dialog.done(QDialog.DialogCode.Rejected)  # a signal closes the window under an open dialog
-        for part in (self.demo_feed, *self._feeds, self.select_tools, self.editor, self.selection):
+        for part in (self.feeds, self.select_tools, self.editor, self.selection):
             part.close()
         self.filing.close()
         self.document.close()

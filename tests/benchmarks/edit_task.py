@@ -56,10 +56,10 @@ def _timed(
     yield lambda: True  # it is painted before the next tick
     found["shown"].append(time.perf_counter() - begin)
     answered.end()
-    yield lambda: window.recolour_feed.is_current
+    yield lambda: window.feeds.recolour.is_current
     yield lambda: True
     found["seen"].append(time.perf_counter() - begin)
-    yield lambda: window.scene_feed.is_idle and window.client.is_at_rest()
+    yield lambda: window.feeds.scene.is_idle and window.client.is_at_rest()
     found["drawn"].append(time.perf_counter() - begin)
     yield partial(settled, window)
     found["gaps"] += np.diff(clock.ticks).tolist()

@@ -188,7 +188,7 @@ class Mouse:
 
     def _in_view(self, x: float, y: float) -> Place:
         """Return where a place of the plan is in the large view."""
-        canvas, origin = self._window.trio.canvases[PILLARS], self._window.scene_feed.origin
+        canvas, origin = self._window.trio.canvases[PILLARS], self._window.feeds.scene.origin
         return on_screen(canvas, *canvas.pixel_of((x - origin[0], y - origin[1], 0.0)).toTuple())
 
     def _in_map(self, x: float, y: float) -> Place:

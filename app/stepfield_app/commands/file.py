@@ -30,7 +30,7 @@ def make(actions: Actions, window: MainWindow) -> None:
     make(
         "demo",
         "Open the &demo",
-        window.demo_feed.start,
+        window.feeds.demo.start,
         glyph="demo",
         tip="Open a collapsed building made for trying things out",
         needs_scan=False,
@@ -117,8 +117,8 @@ def _export(window: MainWindow) -> None:
 
     dialog = ExportDialog(window.document, window.settings, window.appearance.theme, window)
     window.appearance.changed.connect(dialog.set_theme)
-    window.complex_feed.shown.connect(dialog.show_meshed)
-    dialog.show_meshed(window.complex_feed.meshed)
+    window.feeds.complex.shown.connect(dialog.show_meshed)
+    dialog.show_meshed(window.feeds.complex.meshed)
     dialog.exec()
     dialog.deleteLater()
 

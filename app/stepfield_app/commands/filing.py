@@ -75,7 +75,7 @@ class Filing(QObject):
     def look(self) -> dict[str, Any]:
         """Return how the project is looked at, as its file holds it."""
         window = self._window
-        origin = window.scene_feed.origin
+        origin = window.feeds.scene.origin
         return Remembered.of(window.trio, window.map, self._document.active_layer, origin).content()
 
     # --- Opening --------------------------------------------------------------------------------------------
@@ -111,8 +111,8 @@ class Filing(QObject):
             remembered.show(window.trio, window.map)
             last = len(document.answer.result.layers) - 1 if document.answer else 0
             document.set_active_layer(max(-1, min(remembered.layer, last)))
-        if camera := remembered.camera_from(window.scene_feed.origin):
-            window.scene_feed.begin_with(camera)
+        if camera := remembered.camera_from(window.feeds.scene.origin):
+            window.feeds.scene.begin_with(camera)
         stored = document.file.stored
         self._remember((stored.path,) if stored else document.scans)
         self._show_title()

@@ -42,7 +42,7 @@ def make(actions: Actions, window: MainWindow) -> None:
 
 
 def _make_places(actions: Actions, window: MainWindow) -> None:
-    feed, make = window.suspect_feed, actions.make
+    feed, make = window.feeds.suspect, actions.make
     make(
         "next place",
         "Ne&xt suspicious place",
@@ -73,7 +73,7 @@ def leave(window: MainWindow) -> None:
     """Leave the tool in use, else stop what is being made, else dismiss the newest message."""
     if put_away(window):
         return
-    if window.document.busy or window.demo_feed.is_busy:
+    if window.document.busy or window.feeds.demo.is_busy:
         window.cancel()
     else:
         window.message_bar.dismiss_newest()

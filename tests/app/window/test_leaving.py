@@ -36,8 +36,8 @@ def start_tuning(window: MainWindow, folder: Folder, monkeypatch: pytest.MonkeyP
 def start_drawing(window: MainWindow, folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
     for step in range(10):
         window.trio.viewpoint.look(window.trio.viewpoint.camera.orbited(step, 0))
-    window.scene_feed.ask()
-    window.plot_feed._cut()
+    window.feeds.scene.ask()
+    window.feeds.plot._cut()
 
 
 def start_exporting(window: MainWindow, folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:

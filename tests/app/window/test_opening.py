@@ -82,7 +82,7 @@ def test_another_scan_takes_the_place_of_the_first(opened: MainWindow, folder: F
     open_in(opened, qtbot, folder.utm)
     assert opened.windowTitle() == "far & away.npy – Stepfield"
     assert opened.document.undo_stack.count() == 0
-    assert opened.scene_feed.origin == pytest.approx(UTM)
+    assert opened.feeds.scene.origin == pytest.approx(UTM)
     assert opened.profile.section is not None
     assert opened.profile.section.start[0] == pytest.approx(UTM[0])
     assert len(opened.profile.section.distance) > 10
@@ -212,8 +212,8 @@ def test_a_closed_scan_leaves_an_empty_window(opened: MainWindow, qtbot: QtBot) 
 
 def test_what_was_under_way_does_not_fill_an_empty_window(opened: MainWindow, qtbot: QtBot) -> None:
     """A picture that arrives after its scan was closed must not be shown."""
-    opened.plot_feed._draw(0, "gray")
-    opened.plot_feed._cut()
+    opened.feeds.plot._draw(0, "gray")
+    opened.feeds.plot._cut()
     opened.document.close_scan()
     qtbot.waitUntil(opened.is_settled)
     assert opened.map.plot._empty_text
