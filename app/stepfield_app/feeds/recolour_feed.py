@@ -10,8 +10,8 @@ from PySide6.QtCore import QObject, Signal
 
 from stepfield.progress import Progress
 from stepfield_app.document import Document
-from stepfield_app.feeds.drawing import Picture, Wish
 from stepfield_app.feeds.scene_feed import SceneFeed
+from stepfield_app.feeds.wish import Picture, Wish
 from stepfield_app.newest import NewestWins
 from stepfield_app.render.client import RenderClient
 from stepfield_app.render.scene import VIEWS, Bytes, Frame, Scene

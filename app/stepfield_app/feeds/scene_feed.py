@@ -13,17 +13,9 @@ from PySide6.QtCore import QObject, Qt, QTimer, Signal
 from stepfield.pillars import StepField
 from stepfield_app.document import Document
 from stepfield_app.facts import ScanFacts
-from stepfield_app.feeds.drawing import (
-    POINT_MODES,
-    SOLID_MODES,
-    WAYS,
-    Drawing,
-    Drawn,
-    Picture,
-    Wish,
-    joins_for,
-)
+from stepfield_app.feeds.drawing import POINT_MODES, SOLID_MODES, WAYS, Drawing, joins_for
 from stepfield_app.feeds.hurry import Hurry
+from stepfield_app.feeds.wish import Drawn, Picture, Wish
 from stepfield_app.newest import NewestWins
 from stepfield_app.render.camera import Camera
 from stepfield_app.render.client import RenderClient
