@@ -31,6 +31,7 @@ from stepfield_app.garbage import GarbageCollector
 from stepfield_app.main_window import MainWindow
 from stepfield_app.screenshot import Screenshot
 from stepfield_app.settings import Settings
+from stepfield_app.spare import share
 
 #: Rate at which threads take turns, seconds: the hand on a slider should not wait for the method, and every
 #: call of Qt's gives the turn away.
@@ -67,6 +68,7 @@ def run(
     """
     _find_screen(needed=screenshot is None)
     sys.setswitchinterval(TURN)
+    share()
     application = QApplication.instance() or QApplication(["stepfield"])
     assert isinstance(application, QApplication)
     _name(application)

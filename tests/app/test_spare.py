@@ -7,13 +7,14 @@ import platform
 import subprocess
 import sys
 import threading
+from pathlib import Path
 
 import psutil
 import pytest
 
 from stepfield_app.render import inbox as module
 from stepfield_app.render.inbox import Inbox
-from stepfield_app.spare import give_back
+from stepfield_app.spare import ARENAS, give_back
 
 pytestmark = pytest.mark.skipif(
     platform.libc_ver()[0] != "glibc", reason="other libraries give back by themselves, or never"
@@ -32,6 +33,33 @@ again = held()
 give_back()
 print(freed - before, again - before, held() - before)
 """
+
+#: Says from how many places eight threads take memory that are there at the same time.
+SHARING = """
+import ctypes, sys, threading
+from stepfield_app.spare import share
+share()
+library, together = ctypes.CDLL(None), threading.Barrier(9)
+library.malloc.restype = library.fopen.restype = ctypes.c_void_p
+def work():
+    together.wait()
+    library.malloc(ctypes.c_size_t(100_000))
+    together.wait()
+for _ in range(8):
+    threading.Thread(target=work).start()
+together.wait()
+together.wait()
+told = ctypes.c_void_p(library.fopen(sys.argv[1].encode(), b"w"))
+library.malloc_info(0, told)
+library.fclose(told)
+"""
+
+
+def test_what_one_worker_frees_serves_the_others(tmp_path: Path) -> None:
+    """The window would grow for as long as it takes every worker to meet the largest scan."""
+    told = tmp_path / "told.xml"
+    subprocess.run([sys.executable, "-c", SHARING, str(told)], check=True)
+    assert 1 <= told.read_text().count("<heap nr=") <= ARENAS
 
 
 def test_what_a_picture_frees_serves_the_next_one_and_goes_back_after_it() -> None:
