@@ -10,7 +10,6 @@ import numpy as np
 from stepfield.errors import SceneError
 from stepfield.files import one_line
 from stepfield.surface import Mesh
-from stepfield.synth import SCENES, synthesise
 
 SUFFIXES = (".obj", ".ply", ".stl", ".off", ".glb", ".gltf")
 
@@ -29,6 +28,8 @@ def true_mesh(source: str) -> Mesh:
     SceneError
         In one sentence.
     """
+    from stepfield.synth import SCENES, synthesise  # the window, which has no truth, does not wait for it
+
     path = Path(source)
     if path.suffix.lower() in SUFFIXES:
         return _read(path)
