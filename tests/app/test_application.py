@@ -197,3 +197,14 @@ def test_the_window_waits_for_no_heavy_library() -> None:
     )
     done = subprocess.run([sys.executable, "-c", probe], check=True, capture_output=True, text=True)
     assert done.stdout.strip() == "set()"
+
+
+def test_nobody_looks_for_garbage_among_what_was_imported() -> None:
+    """It would be done before the window is made, and take a twentieth of its start."""
+    probe = (
+        "import gc; from stepfield.cli import view; looked = [];"
+        "gc.callbacks.append(lambda phase, info: looked.append(phase));"
+        "view._imported(view.WINDOW); kept = [[] for _ in range(100)]; print(looked)"
+    )
+    done = subprocess.run([sys.executable, "-c", probe], check=True, capture_output=True, text=True)
+    assert done.stdout.strip() == "[]"

@@ -40,11 +40,12 @@ def open_window(
 
 
 def _imported(name: str) -> Any:
-    """Import a module without looking for garbage: there is none, and the looking is a tenth of the time."""
+    """Import a module without looking for garbage, then or later: there is none, and looking takes long."""
     gc.disable()
     try:
         return importlib.import_module(name)
     finally:
+        gc.freeze()  # or what was put off would come at once
         gc.enable()
 
 
