@@ -100,11 +100,13 @@ class NewestWins(QObject, Generic[Asked, Answered]):
         """The request whose answer is being made, None for one that was cancelled."""
         return None if self._running is None or self._running.cancelled.is_set() else self._running.request
 
-    def ask(self, request: Asked) -> None:
-        """Ask for an answer; a request that still waits is forgotten."""
+    def ask(self, request: Asked, *, at_once: bool = False) -> None:
+        """Ask for an answer, at once or at the usual pace; a request that still waits is forgotten."""
         if self._closed:
             return
         self._waiting = _Job(request)
+        if at_once:
+            self._not_before = 0.0
         self._start_when_idle()
 
     def cancel(self) -> None:

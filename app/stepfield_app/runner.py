@@ -150,7 +150,7 @@ class Runner(QObject):
         """Say that the hand has stopped: the exact answer follows the preview."""
         self._settled = True
         if self._previewed is not None and self._previewed == self._newest:
-            self._send(self._previewed)
+            self._send(self._previewed, at_once=True)
 
     def cancel(self) -> None:
         """Stop; the last request gets no answer."""
@@ -169,9 +169,9 @@ class Runner(QObject):
         self._newest = self._previewed = None
         self._worker.close()
 
-    def _send(self, request: Request) -> None:
+    def _send(self, request: Request, *, at_once: bool = False) -> None:
         self._previewed = None
-        self._worker.ask(request)
+        self._worker.ask(request, at_once=at_once)
 
     def _stop(self) -> None:
         if self._worker.running is not None:
@@ -216,7 +216,7 @@ class Runner(QObject):
             return
         self._previewed = request
         if self._settled:
-            self._send(request)
+            self._send(request, at_once=True)
 
     def _fail(self, request: Request, error: BaseException) -> None:
         self._forget(request)

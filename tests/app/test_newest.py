@@ -37,8 +37,8 @@ class Gate:
 def make(qtbot: QtBot) -> Iterator[Callable[[Any], NewestWins[Any, Any]]]:
     made: list[NewestWins[Any, Any]] = []
 
-    def worker(function: Any) -> NewestWins[Any, Any]:
-        made.append(NewestWins(function, "worker"))
+    def worker(function: Any, **options: Any) -> NewestWins[Any, Any]:
+        made.append(NewestWins(function, "worker", **options))
         return made[-1]
 
     yield worker
@@ -56,6 +56,21 @@ def test_the_running_one_finishes_and_of_those_that_wait_the_newest_wins(qtbot: 
     gate.open.set()
     qtbot.waitUntil(lambda: len(answers) == 2)
     assert answers == [(0, 0), (7, 70)]
+
+
+def test_what_is_wanted_at_once_does_not_wait_for_the_pace(qtbot: QtBot, make: Any) -> None:
+    """The exact result of a slider would come later than it could once the hand rests."""
+    gate = Gate()
+    gate.open.set()
+    worker = make(gate, pace=1000.0)
+    with qtbot.waitSignal(worker.answered):
+        worker.ask(1)
+    worker.ask(2)
+    assert worker.busy
+    assert worker.running is None
+    with qtbot.waitSignal(worker.answered):
+        worker.ask(3, at_once=True)
+    assert gate.started == [1, 3]
 
 
 def test_signals_come_on_the_thread_of_the_window(qtbot: QtBot, make: Any) -> None:

@@ -212,7 +212,7 @@ def test_an_exact_run_is_cancelled_by_a_newer_cell_size_but_not_by_a_newer_toler
     cancelled: list[bool] = []
     runner.ask(large)
     qtbot.waitUntil(lambda: heard.quick()[-1:] == [False])
-    monkeypatch.setattr(runner._worker, "ask", asked.append)
+    monkeypatch.setattr(runner._worker, "ask", lambda request, at_once: asked.append(request))
     monkeypatch.setattr(runner._worker, "cancel", lambda: cancelled.append(True))
     monkeypatch.setattr(type(runner._worker), "running", changed(large, cell_size=0.5))
     runner.ask(changed(large, cell_size=0.5, layer_tolerance=0.4))
