@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
 
@@ -62,6 +64,16 @@ class Appearance(QObject):
         hints = self._application.styleHints()
         hints.setColorScheme(_SCHEMES[choice])  # for what the desktop itself draws
         self._dress(hints.colorScheme())
+
+    @contextmanager
+    def undressed(self) -> Iterator[None]:
+        """Take the style sheet off while a window is made: widgets put it on anew with every parent."""
+        sheet = self._application.styleSheet()
+        self._application.setStyleSheet("")
+        try:
+            yield
+        finally:
+            self._application.setStyleSheet(sheet)
 
     def _dress(self, system: Qt.ColorScheme) -> None:
         """Put the colours on that go with the system's scheme and the operator's choice."""

@@ -75,7 +75,8 @@ def run(
     settings = Settings()
     garbage = GarbageCollector(application)
     appearance = Appearance(application, theme or settings.theme)
-    window = MainWindow(appearance, settings, size=size, remembers=screenshot is None)
+    with appearance.undressed():
+        window = MainWindow(appearance, settings, size=size, remembers=screenshot is None)
     sys.excepthook = _shown_by(window)
     picture = Screenshot(window, screenshot) if screenshot is not None else None
     window.show()

@@ -28,6 +28,18 @@ def appearance(qapp: QApplication) -> Iterator[Appearance]:
     dressed.deleteLater()
 
 
+def test_a_window_that_is_made_undressed_is_dressed_afterwards(
+    appearance: Appearance, qapp: QApplication
+) -> None:
+    """Even if making it fails: what is shown instead would be bare."""
+    sheet = qapp.styleSheet()
+    assert sheet
+    with pytest.raises(ZeroDivisionError), appearance.undressed():
+        assert not qapp.styleSheet()
+        raise ZeroDivisionError
+    assert qapp.styleSheet() == sheet
+
+
 def test_a_choice_changes_palette_and_says_so_once(
     appearance: Appearance, qapp: QApplication, qtbot: QtBot
 ) -> None:
