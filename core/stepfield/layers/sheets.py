@@ -27,6 +27,8 @@ FRAGMENT = 64
 PARTED_A_SEAM = 16
 #: Pillars that may be out of the layer by elevation to spare a seam.
 AWAY_A_SEAM = 128
+#: Sheets of more than this part of all pillars are tried in either layer, whatever becomes of the others.
+LARGE = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,16 +77,22 @@ def whole(
         own, _ = _most(sheet, layers, sheet, of, size)
         return Wishes(own, firm * (AWAY_A_SEAM // PARTED_A_SEAM))
 
-    def drawn(together: Wishes) -> tuple[int, Integers, tuple[Wishes, Wishes]]:
+    def drawn(own: Integers) -> tuple[int, Integers, tuple[Wishes, Wishes]]:
         """Settle with each sheet drawn to one layer; tell what is parted from where most of it then is."""
-        wishes = by_elevation, together
+        wishes = by_elevation, Wishes(own, firm * (AWAY_A_SEAM // PARTED_A_SEAM))
         found = settled(dear, layer, layers, wishes=[wish.times(size) for wish in wishes])
         costs = cost(dear, found, [wish.times(size) for wish in (by_elevation, most(found))])
         return costs, found, wishes
 
-    here = most(layer)
-    there = Wishes(np.where(heard, voted, here.layer), here.weight)
-    _, layer, wishes = min(drawn(here), drawn(there), key=itemgetter(0))
+    here = most(layer).layer
+    there = np.where(heard, voted, here)
+    best = min(drawn(here), drawn(there), key=itemgetter(0))
+    for large in np.flatnonzero(np.bincount(sheet, size * firm) > size.sum() / LARGE):
+        own = best[2][1].layer
+        other = np.where(sheet == large, np.where(own == here, there, here), own)
+        if not np.array_equal(other, own):
+            best = min(best, drawn(other), key=itemgetter(0))
+    _, layer, wishes = best
     return layer, wishes
 
 

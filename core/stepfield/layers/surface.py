@@ -27,7 +27,7 @@ from stepfield.layers.towers import Towers
 Integers = NDArray[np.int64]
 
 #: Rise by run of a gentle link, at most.
-STEEPEST = 1.0
+STEEPEST = 0.5
 #: Pillars that are asked for their layer by elevation, about.
 VOTERS = 100_000
 
