@@ -86,14 +86,16 @@ def whole(
 
     here = most(layer).layer
     there = np.where(heard, voted, here)
-    best = min(drawn(here), drawn(there), key=itemgetter(0))
+    best = drawn(here)
+    if np.array_equal(there, here):  # as where surfaces are plain
+        return best[1:]
+    best = min(best, drawn(there), key=itemgetter(0))
     for large in np.flatnonzero(np.bincount(sheet, size * firm) > size.sum() / LARGE):
         own = best[2][1].layer
         other = np.where(sheet == large, np.where(own == here, there, here), own)
         if not np.array_equal(other, own):
             best = min(best, drawn(other), key=itemgetter(0))
-    _, layer, wishes = best
-    return layer, wishes
+    return best[1:]
 
 
 def _sheets(gentle: Ties, size: Integers, layers: int) -> tuple[Integers, Mask]:
