@@ -2,7 +2,7 @@
 
 The band is taken in pieces of a few thousand pillars, each with what surrounds it held fast: a minimum cut
 takes more than twice as long for twice as many, and scipy holds up all other threads meanwhile. A second
-pass divides the band elsewhere.
+pass divides a narrower band elsewhere, which mends what the first left where its pieces meet.
 """
 
 from __future__ import annotations
@@ -18,12 +18,11 @@ from stepfield.layers.patches import Surroundings
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-#: Compartments on either side of a seam that belong to the band.
-REACH = 8
 #: Pillars of a piece, at most about.
 PIECE = 3000
-#: Where each pass divides what is too large: at this share of its pillars.
-DIVISIONS = (0.5, 0.3)
+#: For each pass: compartments on either side of a seam that belong to the band, and where what is too
+#: large is divided, at this share of its pillars.
+PASSES = ((8, 0.5), (2, 0.3))
 
 
 def refined(
@@ -46,11 +45,11 @@ def refined(
     ndarray of shape (M,), int64
     """
     layer = layer.copy()
-    for share in DIVISIONS:
+    for reach, share in PASSES:
         cut = layer[around.links[:, 0]] != layer[around.links[:, 1]]
         if not cut.any():
             break
-        band = _band(around, around.links[cut].ravel())
+        band = _band(around, around.links[cut].ravel(), reach)
         for piece, links in _pieces(around, band, share):
             nodes, ties, free = _surrounded(around, piece, links, worth)
             wished = [wish.of(nodes) for wish in wishes]
@@ -58,17 +57,17 @@ def refined(
     return layer
 
 
-def _band(around: Surroundings, ends: Integers) -> Integers:
-    """Pillars of the compartments near those of some pillars, ascending."""
+def _band(around: Surroundings, ends: Integers, reach: int) -> Integers:
+    """Pillars of the compartments that lie within reach of those of some pillars, ascending."""
     rows, columns = int(around.row[-1]) + 1, int(around.column.max()) + 1
-    near = np.zeros((rows + 2 * REACH, columns + 2 * REACH), bool)
-    near[around.row[ends] + REACH, around.column[ends] + REACH] = True
+    near = np.zeros((rows + 2 * reach, columns + 2 * reach), bool)
+    near[around.row[ends] + reach, around.column[ends] + reach] = True
     for axis in (0, 1):
         spread = near.copy()
-        for shift in range(1, REACH + 1):
+        for shift in range(1, reach + 1):
             spread |= np.roll(near, shift, axis) | np.roll(near, -shift, axis)
         near = spread
-    return np.flatnonzero(near[around.row + REACH, around.column + REACH])
+    return np.flatnonzero(near[around.row + reach, around.column + reach])
 
 
 def _pieces(around: Surroundings, band: Integers, share: float) -> Iterator[tuple[Integers, Integers]]:

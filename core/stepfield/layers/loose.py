@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepfield.layers.patches import Surroundings
-from stepfield.layers.sheets import FRAGMENT
+from stepfield.layers.patches import FRAGMENT, Surroundings
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -4,6 +4,7 @@ A scan has far fewer patches than pillars, and cuts of least cost seldom need to
 be found among patches and then moved to the pillar. A patch is connected by links within a square tile of
 compartments and has one pillar in a compartment. Where there are not layers enough for all patches that
 stand above each other, or where they stand above each other in a circle, they are divided in smaller tiles.
+Stray points do not hold a patch in a layer: its pillars above or beneath strays are a patch of their own.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ Mask = NDArray[np.bool_]
 
 #: Sides of tiles in compartments, the coarse ones first; a patch that is none in any is single pillars.
 SIDES = (8, 2, 1)
+#: Connected pieces of fewer pillars are fragments; what is larger is firm.
+FRAGMENT = 64
 #: Pillars among which components are found at once: scipy holds up all other threads meanwhile.
 BATCH = 1 << 15
 
@@ -75,7 +78,31 @@ def patches(around: Surroundings, layers: int) -> Integers:
         level[undecided] += 1
     is_first = np.zeros(len(around), bool)
     is_first[patch] = True
-    numbers: Integers = (np.cumsum(is_first) - 1)[patch]
+    return _apart(around, (np.cumsum(is_first) - 1)[patch])
+
+
+def _apart(around: Surroundings, patch: Integers) -> Integers:
+    """Divide patches by how many fragments stand beneath and above their pillars; return the new numbers.
+
+    A few strays would otherwise keep a whole patch from the layer of its neighbours, where going around
+    each of them costs four seams.
+    """
+    ties, size = between(around, patch, around.links), np.bincount(patch)
+    piece = components(len(size), ties.one, ties.other)
+    stray = (np.bincount(piece, size) < FRAGMENT)[piece[patch]]
+    count = np.concatenate([[0], np.cumsum(stray)])
+    first = np.flatnonzero(np.diff(around.tower, prepend=-1))
+    last = np.append(first[1:], len(patch))
+    tower = around.tower
+    beneath = count[:-1] - count[first][tower]
+    above = count[last][tower] - count[1:]
+    amid = np.flatnonzero(beneath + above)
+    place = (patch[amid] * around.most + beneath[amid]) * around.most + above[amid]
+    among, divided = np.unique(place, return_inverse=True)
+    patch = patch.copy()
+    patch[amid] = len(size) + divided
+    used = np.bincount(patch, minlength=len(size) + len(among)) > 0
+    numbers: Integers = (np.cumsum(used) - 1)[patch]
     return numbers
 
 

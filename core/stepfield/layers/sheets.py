@@ -10,25 +10,27 @@ is: what is elsewhere is parted from the rest, and weighs more.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from operator import itemgetter
+from functools import partial
+from operator import attrgetter
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.layers.cuts import UP, Ties, Wishes, cost, lowest, settled
-from stepfield.layers.patches import components
+from stepfield.layers.patches import FRAGMENT, components
 
 Integers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-#: Connected pieces of fewer pillars are fragments; what is larger is firm.
-FRAGMENT = 64
 #: Pillars that may be parted from the rest of their sheet to spare a seam.
 PARTED_A_SEAM = 16
 #: Pillars that may be out of the layer by elevation to spare a seam.
-AWAY_A_SEAM = 128
+AWAY_A_SEAM = 256
 #: Sheets of more than this part of all pillars are tried in either layer, whatever becomes of the others.
 LARGE = 16
+#: Times that sheets are settled and asked where most of them is: mostly one, seldom four.
+MOST_ROUNDS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +46,25 @@ class Votes:
     layer: Integers
 
 
-def whole(
-    ties: Ties, gentle: Ties, layer: Integers, layers: int, size: Integers, votes: Votes
-) -> tuple[Integers, tuple[Wishes, Wishes]]:
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Layers of nodes, what drew them there, and what all of it costs where a seam is ``AWAY_A_SEAM``.
+
+    Attributes
+    ----------
+    layer : ndarray of shape (N,), int64
+    by_elevation, own : Wishes
+        Of the pillars of each node: the layer by elevation of its sheet, and where most of that sheet is.
+    cost : int
+    """
+
+    layer: Integers
+    by_elevation: Wishes
+    own: Wishes
+    cost: int
+
+
+def whole(ties: Ties, gentle: Ties, layer: Integers, layers: int, size: Integers, votes: Votes) -> Found:
     """Settle nodes once more, their sheets kept together and drawn to the layer most of them vote for.
 
     Parameters
@@ -60,58 +78,97 @@ def whole(
     size : ndarray of shape (N,), int64
         Pillars of each node.
     votes : Votes
-
-    Returns
-    -------
-    layer : ndarray of shape (N,), int64
-    wishes : tuple of Wishes
-        What drew the pillars of each node, where a seam weighs ``AWAY_A_SEAM``.
     """
-    sheet, firm = _sheets(gentle, size, layers)
+    sheets = Sheets.of(gentle, size, layers)
+    voted, heard = sheets.most(votes.node, votes.layer)
+    by_elevation = Wishes(voted, (sheets.firm & heard).astype(np.int64))
     dear = Ties(ties.one, ties.other, ties.weight * AWAY_A_SEAM, ties.below, ties.above)
-    voted, heard = _most(sheet, layers, sheet[votes.node], votes.layer)
-    by_elevation = Wishes(voted, (firm & heard).astype(np.int64))
     layer = settled(dear, layer, layers, wishes=(by_elevation.times(size),))
-
-    def most(of: Integers) -> Wishes:
-        own, _ = _most(sheet, layers, sheet, of, size)
-        return Wishes(own, firm * (AWAY_A_SEAM // PARTED_A_SEAM))
-
-    def drawn(own: Integers) -> tuple[int, Integers, tuple[Wishes, Wishes]]:
-        """Settle with each sheet drawn to one layer; tell what is parted from where most of it then is."""
-        wishes = by_elevation, Wishes(own, firm * (AWAY_A_SEAM // PARTED_A_SEAM))
-        found = settled(dear, layer, layers, wishes=[wish.times(size) for wish in wishes])
-        costs = cost(dear, found, [wish.times(size) for wish in (by_elevation, most(found))])
-        return costs, found, wishes
-
-    here = most(layer).layer
+    drawn = partial(_drawn, dear, layer, sheets, by_elevation)
+    here = sheets.own(layer)
     there = np.where(heard, voted, here)
     best = drawn(here)
     if np.array_equal(there, here):  # as where surfaces are plain
-        return best[1:]
-    best = min(best, drawn(there), key=itemgetter(0))
-    for large in np.flatnonzero(np.bincount(sheet, size * firm) > size.sum() / LARGE):
-        own = best[2][1].layer
-        other = np.where(sheet == large, np.where(own == here, there, here), own)
+        return best
+    best = min(best, drawn(there), key=attrgetter("cost"))
+    for large in sheets.larger_than(size.sum() / LARGE):
+        own = best.own.layer
+        other = np.where(sheets.number == large, np.where(own == here, there, here), own)
         if not np.array_equal(other, own):
-            best = min(best, drawn(other), key=itemgetter(0))
-    return best[1:]
+            best = min(best, drawn(other), key=attrgetter("cost"))
+    return best
 
 
-def _sheets(gentle: Ties, size: Integers, layers: int) -> tuple[Integers, Mask]:
-    """Return the number of each node's sheet and whether that is firm, shape (N,) both.
+def _drawn(dear: Ties, layer: Integers, sheets: Sheets, by_elevation: Wishes, own: Integers) -> Found:
+    """Settle with each sheet drawn to a layer of its own, then to where most of it went, until it stays."""
+    size = sheets.size
+    for _ in range(MOST_ROUNDS):
+        wishes = by_elevation, Wishes(own, sheets.firm * (AWAY_A_SEAM // PARTED_A_SEAM))
+        wished = [wish.times(size) for wish in wishes]
+        layer = settled(dear, layer, sheets.layers, wishes=wished)
+        own, before = sheets.own(layer), own
+        if np.array_equal(own, before):
+            break
+    return Found(layer, *wishes, cost(dear, layer, wished))
 
-    A sheet is what stays connected when only the gentle links of firm pieces bind, and fewest are cut.
+
+@dataclass(frozen=True, eq=False)
+class Sheets:
+    """What stays connected when only the gentle links of firm pieces bind, and the fewest of them are cut.
+
+    Attributes
+    ----------
+    number : ndarray of shape (N,), int64
+        Of each node's sheet.
+    firm : ndarray of shape (N,), bool
+        Whether that is more than a fragment.
+    size : ndarray of shape (N,), int64
+        Pillars of each node.
+    layers : int
     """
-    nodes = len(size)
-    piece = components(nodes, gentle.one, gentle.other)
-    firm: Mask = np.bincount(piece, size)[piece] >= FRAGMENT
-    ties = _among(gentle, firm)
-    layer = settled(ties, lowest(nodes, ties.below, ties.above, layers), layers, (UP,))
-    joined = layer[ties.one] == layer[ties.other]
-    sheet = components(nodes, ties.one[joined], ties.other[joined])
-    firm &= np.bincount(sheet, size)[sheet] >= FRAGMENT
-    return sheet, firm
+
+    number: Integers
+    firm: Mask
+    size: Integers
+    layers: int
+
+    @classmethod
+    def of(cls, gentle: Ties, size: Integers, layers: int) -> Self:
+        """Find them, of so many layers at most."""
+        nodes = len(size)
+        piece = components(nodes, gentle.one, gentle.other)
+        firm: Mask = np.bincount(piece, size)[piece] >= FRAGMENT
+        ties = _among(gentle, firm)
+        layer = settled(ties, lowest(nodes, ties.below, ties.above, layers), layers, (UP,))
+        joined = layer[ties.one] == layer[ties.other]
+        number = components(nodes, ties.one[joined], ties.other[joined])
+        firm &= np.bincount(number, size)[number] >= FRAGMENT
+        return cls(number, firm, size, layers)
+
+    def most(
+        self, voters: Integers, votes: Integers, weight: Integers | None = None
+    ) -> tuple[Integers, Mask]:
+        """Return the layer most votes are for in each node's sheet, and whether it has any, shape (N,) both.
+
+        Parameters
+        ----------
+        voters, votes, weight : ndarray of shape (V,)
+            Nodes, the layers they vote for, and how many votes each is.
+        """
+        ballots = (int(self.number.max()) + 1) * self.layers
+        cast = np.bincount(self.number[voters] * self.layers + votes, weight, ballots)
+        cast = cast.reshape(-1, self.layers)
+        heard: Mask = cast.sum(axis=1) > 0
+        return np.argmax(cast, axis=1)[self.number], heard[self.number]
+
+    def own(self, layer: Integers) -> Integers:
+        """Return the layer where most of each node's sheet is, shape (N,)."""
+        return self.most(np.arange(len(layer)), layer, self.size)[0]
+
+    def larger_than(self, pillars: float) -> Integers:
+        """Return the numbers of the firm sheets of more pillars."""
+        large: Integers = np.flatnonzero(np.bincount(self.number, self.size * self.firm) > pillars)
+        return large
 
 
 def _among(ties: Ties, chosen: Mask) -> Ties:
@@ -125,20 +182,3 @@ def _among(ties: Ties, chosen: Mask) -> Ties:
         ties.below[stacked],
         ties.above[stacked],
     )
-
-
-def _most(
-    sheet: Integers, layers: int, voters: Integers, votes: Integers, weight: Integers | None = None
-) -> tuple[Integers, Mask]:
-    """Return the layer that each node's sheet has most votes for, and whether it has any, shape (N,) both.
-
-    Parameters
-    ----------
-    sheet : ndarray of shape (N,)
-    layers : int
-    voters, votes, weight : ndarray of shape (V,)
-        Sheets, the layers they vote for, and how many votes each is.
-    """
-    cast = np.bincount(voters * layers + votes, weight, (int(sheet.max()) + 1) * layers).reshape(-1, layers)
-    heard: Mask = cast.sum(axis=1) > 0
-    return np.argmax(cast, axis=1)[sheet], heard[sheet]

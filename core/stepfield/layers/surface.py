@@ -27,7 +27,7 @@ from stepfield.layers.towers import Towers
 Integers = NDArray[np.int64]
 
 #: Rise by run of a gentle link, at most.
-STEEPEST = 0.5
+STEEPEST = 1 / 3
 #: Pillars that are asked for their layer by elevation, about.
 VOTERS = 100_000
 
@@ -51,8 +51,9 @@ def by_surface(grid: Grid, towers: Towers, links: Integers, layers: int) -> Inte
     rise = np.abs(np.subtract(*towers.elevation[links].T))
     gentle = between(around, patch, links[rise <= STEEPEST * grid.cell_size])
     fewest = settled(ties, lowest(len(size), ties.below, ties.above, layers), layers, (UP,))
-    layer, wishes = whole(ties, gentle, fewest, layers, size, _by_elevation(towers, layers, patch))
-    layer = refined(around, layer[patch], layers, AWAY_A_SEAM, [wish.of(patch) for wish in wishes])
+    found = whole(ties, gentle, fewest, layers, size, _by_elevation(towers, layers, patch))
+    wishes = found.by_elevation.of(patch), found.own.of(patch)
+    layer = refined(around, found.layer[patch], layers, AWAY_A_SEAM, wishes)
     piece = components(len(size), ties.one, ties.other)[patch]
     return gathered(around, towers.elevation, layer, layers, piece)
 
