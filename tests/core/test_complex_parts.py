@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 
 from stepfield.complex_parts import ComplexParts, build, build_complex_parts, without
 from stepfield.complex_parts.detection import detect, dilated, touching
+from stepfield.complex_parts.fitting import fitted
 from stepfield.complex_parts.job import Job
 from stepfield.complex_parts.points import owned_points
 from stepfield.complex_parts.process import mesh_apart
+from stepfield.complex_parts.reducing import distances
 from stepfield.complex_parts.residuals import residuals
 from stepfield.complex_parts.thinning import Thinning
 from stepfield.errors import Cancelled, StackError, StepfieldError
@@ -28,6 +30,7 @@ from stepfield.reconstruction import Reconstruction
 from stepfield.scan.write import write
 from stepfield.stack import Stack, write_stack
 from stepfield.stack.check import check_stack
+from stepfield.surface import Mesh
 
 Floats = NDArray[np.float64]
 RNG = np.random.default_rng
@@ -102,6 +105,14 @@ def test_specks_do_not_scatter(result: Reconstruction) -> None:
     far = np.zeros(len(result.field))
     far[100] = 1.0
     assert not detect(result, far).any()
+
+
+def test_a_post_that_stands_alone_is_complex(result: Reconstruction) -> None:
+    """A height-map is level at half the height of a post: its points are as far from that as it is high."""
+    wall = np.flatnonzero(detect(result, residuals(result)))
+    far = np.zeros(len(result.field))
+    far[wall[0]] = 1.0
+    assert np.flatnonzero(detect(result, far)).tolist() == [wall[0]]
 
 
 def test_touching_pillars_are_side_by_side_and_at_one_height(result: Reconstruction) -> None:
@@ -213,6 +224,35 @@ def test_nothing_here_loads_open3d_by_itself() -> None:
     probe = "import stepfield.complex_parts, stepfield.stack, sys; print('open3d' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+def bowl(side: int) -> tuple[Floats, NDArray[np.int64]]:
+    """Draw a bowl, its places so many a side, and triangles between them."""
+    x, y = (each.ravel() for each in np.meshgrid(np.linspace(-1, 1, side), np.linspace(-1, 1, side)))
+    corner = np.arange(side * side, dtype=np.int64).reshape(side, side)[:-1, :-1].ravel()
+    square = np.column_stack([corner, corner + 1, corner + side + 1, corner + side])
+    places: Floats = np.column_stack([x, y, 0.4 * (x**2 + y**2)])
+    return places, square[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+
+
+def test_a_reduced_mesh_is_drawn_to_the_points() -> None:
+    """Corners on the points are not enough: what is between them cuts every bend short."""
+    (points, _), (corners, triangles) = bowl(41), bowl(5)
+    before = Mesh(corners, triangles)
+    after = fitted(before, points, 0.05)
+    rough, near = (np.sqrt(np.mean(np.square(distances(points, each)))) for each in (before, after))
+    assert near < rough / 2
+    assert np.array_equal(after.triangles, before.triangles)
+    assert np.abs(after.vertices - before.vertices).max() < 0.1
+
+
+def test_points_far_from_a_mesh_do_not_draw_it() -> None:
+    """They belong to something that no triangle was found for; a surface half way to it is nowhere."""
+    corners, triangles = bowl(5)
+    above = np.array([[0.0, 0.0, 2.0], [0.1, 0.1, 1.0]])
+    assert np.array_equal(fitted(Mesh(corners, triangles), above, 0.05).vertices, corners)
+    nothing = Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64))
+    assert not len(fitted(nothing, above, 0.05).triangles)
 
 
 # ---- the stack ----------------------------------------------------------------------------------------

@@ -32,8 +32,9 @@ def build_complex_parts(result: Reconstruction, progress: Progress = silent) -> 
     """Find where the height-maps fail and mesh just that.
 
     1. How far the points of every pillar are from the surface of its layer.
-    2. Pillars further than ``complex_residual`` are complex, unless they stand alone.
-    3. Their points and those a compartment around them are evened out and meshed, and flat parts reduced.
+    2. Pillars further than ``complex_residual`` are complex, unless they stand alone and are no posts.
+    3. Their points and those a compartment around them are evened out and meshed; flat parts are reduced,
+       and what is left is drawn to the points.
     4. Where the mesh is nearer to the points than the pillar is, it stands in for it.
 
     The same reconstruction gives the same mesh every time.

@@ -14,8 +14,10 @@ Integers = NDArray[np.int64]
 
 #: A mesh needs so many points in a compartment to follow anything there.
 FEWEST_POINTS = 4
-#: A complex pillar with fewer complex ones around it is a speck.
+#: A complex pillar with fewer complex ones around it is a speck,
 FEWEST_AROUND = 2
+#: unless it is a post: none around it, and points that run upwards for more than so many compartments.
+TALL = 1.0
 
 
 def detect(result: Reconstruction, residual: Floats) -> Flags:
@@ -36,7 +38,9 @@ def detect(result: Reconstruction, residual: Floats) -> Flags:
     far &= field.points >= FEWEST_POINTS
     around = touching(result, np.flatnonzero(far))
     number = np.bincount(around[far[around[:, 1]], 0], minlength=len(far))
-    return far & (number >= FEWEST_AROUND)
+    is_post: Flags = (number == 0) & (field.high - field.low > TALL * field.compartments.grid.cell_size)
+    found: Flags = far & ((number >= FEWEST_AROUND) | is_post)
+    return found
 
 
 def dilated(result: Reconstruction, chosen: Flags) -> Flags:

@@ -11,7 +11,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 #: Share of the triangles that stays: flat parts become few large ones, as most of a collapsed floor is flat.
-SHARE = 0.15
+SHARE = 0.18
 #: Weight of the outline against the surface: the parts of a broken scan are many, and would fray.
 OUTLINE = 10.0
 #: Points whose distances are found at once.

@@ -6,6 +6,7 @@ import os
 import sys
 from pathlib import Path
 
+from stepfield.complex_parts.fitting import fitted
 from stepfield.complex_parts.job import Done, Job
 from stepfield.complex_parts.pivoting import pivoted
 from stepfield.complex_parts.reducing import distances, reduced
@@ -24,14 +25,16 @@ def main(folder: Path) -> None:
 
 
 def do(job: Job, progress: Progress) -> Done:
-    """Mesh, leave out what is flat, and measure."""
+    """Mesh, leave out what is flat, draw what is left to the points, and measure."""
     import open3d as o3d
 
     o3d.utility.set_verbosity_level(o3d.utility.VerbosityLevel.Error)
     triangles = pivoted(job.points, job.spacing, part(progress, 0, 0.8))
     progress(0.8, "reducing complex parts")
     mesh = reduced(Mesh(job.points, triangles))
-    progress(0.9, "measuring complex parts")
+    progress(0.85, "fitting complex parts")
+    mesh = fitted(mesh, job.points, job.spacing)
+    progress(0.95, "measuring complex parts")
     return Done(mesh, distances(job.samples, mesh))
 
 
