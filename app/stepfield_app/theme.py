@@ -1,14 +1,8 @@
-"""Named colours of both themes, colours of layers and ramps: the one place in the window that has any."""
+"""Named colours of both themes, and colours of layers: beside the ramps, all that the window has."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
-
-import numpy as np
-from numpy.typing import NDArray
-
-Palette = NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -77,16 +71,6 @@ HALO = "#101216"
 #: Colours of what is wrong with a layer, over its relief in gray.
 OVERLAYS = {"hole": "#ffb000"}
 
-#: Ramps by what they show: names of cmap's catalogue, and where in them to begin and to end. The darkest
-#: tenth of batlow would vanish on a dark ground.
-RAMPS = {
-    "height": ("crameri:batlow", 0.1, 1.0),
-    "intensity": ("gray", 0.0, 1.0),
-    "error": ("colorbrewer:RdBu_r", 0.0, 1.0),
-    "clearance": ("crameri:lajolla", 0.15, 0.9),
-    "lost": ("colorbrewer:YlOrRd", 0.1, 1.0),
-}
-
 
 def layer_colour(index: int) -> str:
     """Colour of a layer the operator has given none; the same number always has the same colour."""
@@ -96,14 +80,3 @@ def layer_colour(index: int) -> str:
 def rgb(colour: str) -> tuple[int, int, int]:
     """Red, green and blue, 0 to 255, of #rrggbb."""
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
-
-
-@cache
-def ramp(what: str) -> Palette:
-    """Return the ramp of :data:`RAMPS` as an array of shape (256, 3), read-only."""
-    from cmap import Colormap  # the window is up before anything needs a ramp
-
-    name, start, end = RAMPS[what]
-    colours = np.rint(Colormap(name)(np.linspace(start, end, 256))[:, :3] * 255).astype(np.uint8)
-    colours.flags.writeable = False
-    return colours

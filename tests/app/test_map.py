@@ -10,8 +10,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 
+from stepfield_app.ramps import ramp
 from stepfield_app.scenes.legend import Legend
-from stepfield_app.theme import LIGHT, ramp
+from stepfield_app.theme import LIGHT
 from stepfield_app.views.line import ProfileLine, part_at
 from stepfield_app.views.map import MapView
 from stepfield_app.views.pictures import MapPicture

@@ -12,10 +12,11 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor, QImage, QPainter
 from pytestqt.qtbot import QtBot
 
+from stepfield_app.ramps import ramp
 from stepfield_app.render.camera import Camera
 from stepfield_app.scenes.legend import Legend
 from stepfield_app.scenes.units import scale_bar
-from stepfield_app.theme import DARK, LIGHT, Theme, ramp, rgb
+from stepfield_app.theme import DARK, LIGHT, Theme, rgb
 from stepfield_app.views import overlay
 from stepfield_app.views.overlay import Overlay, _ticks, small_font
 

@@ -13,11 +13,12 @@ from stepfield.layers import UNASSIGNED
 from stepfield.progress import silent
 from stepfield.reconstruction import Reconstruction
 from stepfield.surface import Mesh
+from stepfield_app.ramps import ramp
 from stepfield_app.scenes.complex_parts import Meshed
 from stepfield_app.scenes.fidelity import fidelity_facts
 from stepfield_app.scenes.overlays import KINDS, Kind, Overlay, overlay
 from stepfield_app.scenes.palette import layer_colours
-from stepfield_app.theme import OVERLAYS, ramp, rgb
+from stepfield_app.theme import OVERLAYS, rgb
 
 
 @pytest.fixture

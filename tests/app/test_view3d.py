@@ -12,11 +12,12 @@ from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 from tests.app.stubs import StubClient, floor_frame, moving_frame
 
+from stepfield_app.ramps import ramp
 from stepfield_app.render.camera import Camera
 from stepfield_app.render.client import RenderClient
 from stepfield_app.render.scene import CLOUD, PILLARS
 from stepfield_app.scenes.legend import Legend
-from stepfield_app.theme import DARK, ramp
+from stepfield_app.theme import DARK
 from stepfield_app.views import navigation
 from stepfield_app.views.overlay import Overlay
 from stepfield_app.views.tool import Cursor, Hand, Tool

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from pytestqt.qtbot import QtBot
 from tests.benchmarks.conftest import POINTS, Table
 
+from stepfield_app.ramps import ramp
 from stepfield_app.render.camera import Camera
 from stepfield_app.render.client import RenderClient
 from stepfield_app.render.scene import CLOUD, VIEWS, Points, Scene
-from stepfield_app.theme import ramp
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 LARGE, THIRD = (1600, 1000), (533, 1000)

@@ -16,6 +16,7 @@ from stepfield.progress import Progress
 from stepfield.reconstruction import Reconstruction
 from stepfield.scan import Scan
 from stepfield_app.feeds.wish import Drawn, Picture, Wish
+from stepfield_app.ramps import ramp
 from stepfield_app.render.scene import CLOUD, PILLARS, RECONSTRUCTION, Lines, Points, Scene, Triangles
 from stepfield_app.scenes import blocks, colouring, surfaces
 from stepfield_app.scenes.cloud import Cloud, cloud, points
@@ -23,7 +24,7 @@ from stepfield_app.scenes.complex_parts import complex_mesh
 from stepfield_app.scenes.ground import crosses, ground
 from stepfield_app.scenes.legend import Legend
 from stepfield_app.scenes.thinned import stride_for
-from stepfield_app.theme import COMPLEX_COLOUR, ramp, rgb
+from stepfield_app.theme import COMPLEX_COLOUR, rgb
 from stepfield_app.wording import counted
 
 Array = NDArray[Any]

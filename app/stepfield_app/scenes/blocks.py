@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.reconstruction import Reconstruction
+from stepfield_app.ramps import ramp
 from stepfield_app.render.scene import Triangles
 from stepfield_app.scenes.arrays import robust_range, sample, steps
 from stepfield_app.scenes.faces import Faces, Patches, joined
@@ -30,7 +31,6 @@ from stepfield_app.scenes.neighbours import (
     Surroundings,
 )
 from stepfield_app.scenes.stacks import Stack, coarser, step_field
-from stepfield_app.theme import ramp
 
 Floats = NDArray[np.float64]
 Bytes = NDArray[np.uint8]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stepfield.reconstruction import Reconstruction
 from stepfield.scan import Scan
+from stepfield_app.ramps import ramp
 from stepfield_app.scenes import membership
 from stepfield_app.scenes.arrays import frozen, in_chunks, robust_range, sample, steps
 from stepfield_app.scenes.classes import class_name, class_palette
@@ -18,7 +19,7 @@ from stepfield_app.scenes.palette import (
     layer_palette,
     plain_palette,
 )
-from stepfield_app.theme import ramp, rgb
+from stepfield_app.theme import rgb
 
 Mode = Literal["height", "intensity", "rgb", "class", "layer", "single"]
 Codes = NDArray[np.uint8]

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from stepfield.complex_parts import ComplexParts, without
 from stepfield.layers import UNASSIGNED
 from stepfield.reconstruction import Reconstruction
+from stepfield_app.ramps import ramp
 from stepfield_app.render.scene import Triangles
 from stepfield_app.scenes.arrays import frozen, steps
 from stepfield_app.scenes.surfaces import shaded
 from stepfield_app.scenes.suspects import Cells
-from stepfield_app.theme import COMPLEX_COLOUR, ramp, rgb
+from stepfield_app.theme import COMPLEX_COLOUR, rgb
 
 Floats = NDArray[np.float64]
 

@@ -15,10 +15,11 @@ from stepfield.fidelity.gaps import NEAR
 from stepfield.layers import UNASSIGNED
 from stepfield.reconstruction import Reconstruction
 from stepfield.surface.simulator import simulator_quads
+from stepfield_app.ramps import ramp
 from stepfield_app.scenes.arrays import frozen, robust_range, steps
 from stepfield_app.scenes.legend import Colour, Legend
 from stepfield_app.scenes.raster import hillshade, thinned_elevations
-from stepfield_app.theme import OVERLAYS, ramp, rgb
+from stepfield_app.theme import OVERLAYS, rgb
 
 Bytes = NDArray[np.uint8]
 Singles = NDArray[np.float32]

@@ -16,10 +16,11 @@ from stepfield.grid import Grid
 from stepfield.heightmap import GrayScale
 from stepfield.layers import UNASSIGNED
 from stepfield.reconstruction import Reconstruction
+from stepfield_app.ramps import ramp
 from stepfield_app.scenes.arrays import frozen, robust_range, steps
 from stepfield_app.scenes.legend import Legend
 from stepfield_app.scenes.thinned import Pixels, filled, pixels
-from stepfield_app.theme import WALL_COLOUR, ramp, rgb
+from stepfield_app.theme import WALL_COLOUR, rgb
 
 Bytes = NDArray[np.uint8]
 Singles = NDArray[np.float32]

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from stepfield.reconstruction import Reconstruction
 from stepfield.surface import Mesh, as_edges, as_simulator
+from stepfield_app.ramps import ramp
 from stepfield_app.render.scene import Triangles
 from stepfield_app.scenes.arrays import frozen, steps
 from stepfield_app.scenes.blocks import local_span, meshes
 from stepfield_app.scenes.stacks import own_columns, solids
 from stepfield_app.scenes.thinned import pooled, stride_for, with_filled
-from stepfield_app.theme import ramp
 
 Bytes = NDArray[np.uint8]
 Singles = NDArray[np.float32]

@@ -8,7 +8,7 @@ from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QScrollArea, QVBoxLayout, QWidget
 
-from stepfield.scan import FORMATS
+from stepfield.formats import FORMATS
 from stepfield_app.appearance import ICON_SIZE, icon
 from stepfield_app.settings import Files
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from stepfield.errors import ScanError
 from stepfield.files import Digest, reason, storable
+from stepfield.formats import FORMATS
 from stepfield.parameters import Parameters, Unit, Up
 from stepfield.progress import Progress, part, silent
 from stepfield.scan.cleaning import clean
@@ -18,26 +19,6 @@ from stepfield.scan.cloud import Axis, Cloud, Reader
 from stepfield.scan.scan import Scan, SourceFile, joined
 
 __all__ = ["FORMATS", "Axis", "Cloud", "Scan", "SourceFile", "clean", "cleaned", "open_scan", "read_scan"]
-
-#: Which module of this package reads which suffix; modules load when they are needed.
-FORMATS = {
-    ".ply": "ply",
-    ".pcd": "pcd",
-    ".las": "las",
-    ".laz": "las",
-    ".e57": "e57",
-    ".ptx": "ptx",
-    ".xyz": "text",
-    ".txt": "text",
-    ".csv": "text",
-    ".asc": "text",
-    ".pts": "text",
-    ".npy": "npy",
-    ".npz": "npy",
-    ".obj": "mesh",
-    ".stl": "mesh",
-    ".off": "mesh",
-}
 
 #: Metres from the origin beyond which points are damage, whatever unit was forgotten.
 FARTHEST = 1e12
