@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMainWindow, QMenu, QToolBar
 
-from stepfield_app.icons import ICON_SIZE, icon
+from stepfield_app import toolbars
+from stepfield_app.icons import icon
 
 Keys = QKeySequence.StandardKey
 
@@ -87,18 +87,14 @@ class Actions:
             action.setEnabled(has_scan)
 
     def menu(self, title: str, names: Sequence[str | None]) -> QMenu:
-        """Add a menu of actions; None stands for a line between them."""
-        menu = self._window.menuBar().addMenu(title)
+        """Fill a menu of the bar with actions; None stands for a line between them."""
+        menu = toolbars.menu(self._window, title)
         self.fill(menu, names)
         return menu
 
     def toolbar(self, title: str, names: Sequence[str | None]) -> QToolBar:
-        """Add a toolbar of actions; None stands for a line between them."""
-        bar = QToolBar(title, self._window)
-        bar.setObjectName(f"toolbar {title}")
-        bar.setMovable(False)
-        bar.setIconSize(bar.iconSize().scaled(ICON_SIZE, ICON_SIZE, Qt.AspectRatioMode.IgnoreAspectRatio))
-        self._window.addToolBar(bar)
+        """Fill a toolbar with actions; None stands for a line between them."""
+        bar = toolbars.toolbar(self._window, title)
         self.fill(bar, names)
         return bar
 

@@ -76,8 +76,11 @@ def run(
     garbage = GarbageCollector(application)
     appearance = Appearance(application, theme or settings.theme)
     with appearance.undressed():
-        window = MainWindow(appearance, settings, size=size, remembers=screenshot is None)
-    sys.excepthook = _shown_by(window)
+        window = MainWindow(appearance, settings, size=size, remembers=screenshot is None, in_pieces=True)
+    garbage.pause()
+    window.ready.connect(garbage.go_on)
+    window.ready.connect(lambda: _tell_unexpected(window))
+    _tell_unexpected(window)
     picture = Screenshot(window, screenshot) if screenshot is not None else None
     window.show()
     stop = _closed_by_signals(window)
@@ -128,17 +131,15 @@ def _name(application: QApplication) -> None:
     application.setDesktopFileName("stepfield")
 
 
-def _shown_by(
-    window: MainWindow,
-) -> Callable[[type[BaseException], BaseException, TracebackType | None], None]:
-    """Return an excepthook that tells the operator, and the terminal, what nobody expected."""
+def _tell_unexpected(window: MainWindow) -> None:
+    """Let the operator, and the terminal, know what nobody expected; libraries have ideas of their own."""
 
     def show(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
         details = "".join(traceback.format_exception(kind, error, trace))
         sys.stderr.write(details)
         window.tell_unexpected(details)
 
-    return show
+    sys.excepthook = show
 
 
 def _closed_by_signals(window: MainWindow) -> Callable[[], None]:
@@ -153,7 +154,7 @@ def _closed_by_signals(window: MainWindow) -> Callable[[], None]:
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
 
     def close(number: int, frame: FrameType | None) -> None:
-        QTimer.singleShot(0, window.filing.close_at_once)
+        QTimer.singleShot(0, window.close_at_once)
 
     for number in before:
         signal.signal(number, close)

@@ -75,19 +75,52 @@ class Docks:
             dock.setVisible(are_visible)
 
 
-def docked(window: QMainWindow, title: str, panel: QWidget, area: Qt.DockWidgetArea) -> QDockWidget:
-    """Put a panel into a dock and the dock into a window; a panel's own strip becomes the dock's title."""
+def make(window: QMainWindow) -> Docks:
+    """Put all docks into a window, where they stand when the program is new; their panels are still blank."""
+    made = Docks(
+        parameters=_made(window, "Parameters", LEFT),
+        cleaning=_made(window, "Cleaning", LEFT),
+        elevations=_made(window, "Elevations", LEFT),
+        layers=_made(window, "Layers", RIGHT),
+        fidelity=_made(window, "Fidelity", RIGHT, keeps_title=True),
+        history=_made(window, "History", RIGHT),
+        edits=_made(window, "Edits", RIGHT),
+        suspects=_made(window, "Suspicious places", RIGHT),
+        map=_made(window, "Map", BOTTOM, keeps_title=True),
+        profile=_made(window, "Profile", BOTTOM, keeps_title=True),
+    )
+    arrange(window, made)
+    return made
+
+
+def _made(
+    window: QMainWindow, title: str, area: Qt.DockWidgetArea, *, keeps_title: bool = False
+) -> QDockWidget:
+    """Put a dock into a window; where a tab says the same its title is left out, unless it has controls."""
     dock = QDockWidget(title, window)
     dock.setObjectName(f"dock {title}")
-    panel.setMinimumWidth({LEFT: LEAST_WIDTH + BAR_WIDTH, RIGHT: LEAST_WIDTH}.get(area, LEAST_WIDTH // 2))
-    panel.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-    dock.setWidget(panel)
-    strip, blank = _titled(dock, getattr(panel, "strip", None) or Strip(title)), QWidget()
+    blank = QWidget()
+    blank.setMinimumWidth({LEFT: LEAST_WIDTH + BAR_WIDTH, RIGHT: LEAST_WIDTH}.get(area, LEAST_WIDTH // 2))
+    put(dock, blank)
+    strip = _titled(dock, Strip(title))
     dock.setTitleBarWidget(strip)
-    if not hasattr(panel, "strip"):
-        _save_title(window, dock, strip, blank)
+    if not keeps_title:
+        _save_title(window, dock, strip, QWidget())
     window.addDockWidget(area, dock)
     return dock
+
+
+def put(dock: QDockWidget, panel: QWidget) -> None:
+    """Put a panel into a dock, in place of the one before; a panel's own strip becomes the dock's title."""
+    before, title, strip = dock.widget(), dock.titleBarWidget(), getattr(panel, "strip", None)
+    if before is not None:
+        panel.setMinimumWidth(before.minimumWidth())
+        before.deleteLater()
+    panel.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+    dock.setWidget(panel)
+    if strip is not None:
+        dock.setTitleBarWidget(_titled(dock, strip))
+        title.deleteLater()
 
 
 def _titled(dock: QDockWidget, strip: Strip) -> Strip:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6.QtCore import QEvent, QObject, QTimer, Signal
 from PySide6.QtWidgets import QWidget
 
@@ -23,9 +25,17 @@ class FirstPaint(QObject):
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self._window = window
+        self.has_happened = False
         self._after = QTimer(self, singleShot=True)
         self._after.timeout.connect(self._tell)
         window.installEventFilter(self)
+
+    def then(self, call: Callable[[], object]) -> None:
+        """Call once it has happened."""
+        if self.has_happened:
+            call()
+        else:
+            self.happened.connect(call)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
         """Wait for the first paint, but not for ever."""
@@ -40,4 +50,5 @@ class FirstPaint(QObject):
             return
         self._window.removeEventFilter(self)
         if self._window.isVisible():  # else it has been closed since: nothing must begin any more
+            self.has_happened = True
             self.happened.emit()

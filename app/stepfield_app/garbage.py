@@ -20,9 +20,18 @@ class GarbageCollector(QObject):
         super().__init__(parent)
         gc.disable()
         gc.freeze()
-        timer = QTimer(self, interval=LOOK)
-        timer.timeout.connect(self._look)
-        timer.start()
+        self._timer = QTimer(self, interval=LOOK)
+        self._timer.timeout.connect(self._look)
+        self._timer.start()
+
+    def pause(self) -> None:
+        """Collect nothing for a while: what is being made is there to stay."""
+        self._timer.stop()
+
+    def go_on(self) -> None:
+        """Leave out what there is by now, and go on."""
+        gc.freeze()
+        self._timer.start()
 
     def stop(self) -> None:
         """Give the work back to Python."""

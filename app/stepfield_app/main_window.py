@@ -1,48 +1,51 @@
-"""The window: makes everything, connects everything, holds no data."""
+"""The window: what is painted first, and what can be done with all of it; holds no data."""
 
 from __future__ import annotations
 
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QDialog, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
 
 from stepfield.errors import StepfieldError
 from stepfield.parameters import Parameters
-from stepfield_app import commands, docks
+from stepfield_app import docks, toolbars
+from stepfield_app.afterwards import Afterwards
 from stepfield_app.appearance import Appearance
-from stepfield_app.commands.filing import Filing
-from stepfield_app.document import Document
-from stepfield_app.editor import Editor
-from stepfield_app.feeds.feeds import Feeds
 from stepfield_app.first_paint import FirstPaint
-from stepfield_app.opening import DropTarget
-from stepfield_app.panels.cleaning import CleaningPanel
-from stepfield_app.panels.fidelity import FidelityPanel
-from stepfield_app.panels.history import HistoryPanel
-from stepfield_app.panels.layers import LayersPanel
-from stepfield_app.panels.layers_editing import LayersEditing
-from stepfield_app.panels.moves import MovesPanel
-from stepfield_app.panels.parameters import ParametersPanel
-from stepfield_app.panels.suspects import SuspectsPanel
-from stepfield_app.render.client import RenderClient
-from stepfield_app.selection import Selection
 from stepfield_app.settings import Settings
-from stepfield_app.theme import COMPLEX_COLOUR, Theme
-from stepfield_app.tools.crop import CropTool
-from stepfield_app.tools.select import SelectTools, Views
-from stepfield_app.views.histogram import HistogramView
-from stepfield_app.views.map import MapView
-from stepfield_app.views.marks import MarkBox, Marks
 from stepfield_app.views.message_bar import MessageBar
-from stepfield_app.views.profile import ProfileView
 from stepfield_app.views.status import Status
-from stepfield_app.views.strip import Strip
-from stepfield_app.views.trio import Trio
 from stepfield_app.views.welcome import WelcomePage
 from stepfield_app.wording import advice
+
+if TYPE_CHECKING:
+    from stepfield_app.actions import Actions
+    from stepfield_app.commands.filing import Filing
+    from stepfield_app.document import Document
+    from stepfield_app.editor import Editor
+    from stepfield_app.feeds.feeds import Feeds
+    from stepfield_app.panels.cleaning import CleaningPanel
+    from stepfield_app.panels.fidelity import FidelityPanel
+    from stepfield_app.panels.history import HistoryPanel
+    from stepfield_app.panels.layers import LayersPanel
+    from stepfield_app.panels.layers_editing import LayersEditing
+    from stepfield_app.panels.moves import MovesPanel
+    from stepfield_app.panels.parameters import ParametersPanel
+    from stepfield_app.panels.suspects import SuspectsPanel
+    from stepfield_app.render.client import RenderClient
+    from stepfield_app.selection import Selection
+    from stepfield_app.tools.crop import CropTool
+    from stepfield_app.tools.select import SelectTools
+    from stepfield_app.views.histogram import HistogramView
+    from stepfield_app.views.map import MapView
+    from stepfield_app.views.marks import MarkBox, Marks
+    from stepfield_app.views.profile import ProfileView
+    from stepfield_app.views.trio import Trio
 
 #: Size of the window when nothing else is said.
 USUAL_SIZE = (1440, 900)
@@ -50,6 +53,9 @@ USUAL_SIZE = (1440, 900)
 
 class MainWindow(QMainWindow):
     """Stepfield's window.
+
+    It is painted with its menus, toolbars and docks in place, and a page that says what can be opened. What
+    fills it comes then, see :mod:`stepfield_app.workbench`; nothing here may import any of that before.
 
     Parameters
     ----------
@@ -59,7 +65,40 @@ class MainWindow(QMainWindow):
         Width and height in pixels; as the operator left it by default.
     remembers : bool
         False leaves the operator's arrangement and recent files alone.
+    in_pieces : bool
+        Whether it is filled after its first paint, and not at once.
+
+    Attributes
+    ----------
+    ready : Signal
+        It has been filled.
     """
+
+    status: Status
+    document: Document
+    selection: Selection
+    editor: Editor
+    client: RenderClient
+    trio: Trio
+    map: MapView
+    profile: ProfileView
+    histogram: HistogramView
+    parameters: ParametersPanel
+    cleaning: CleaningPanel
+    layers: LayersPanel
+    layer_editing: LayersEditing
+    fidelity: FidelityPanel
+    history: HistoryPanel
+    moves: MovesPanel
+    suspects: SuspectsPanel
+    marks: Marks
+    complex_marks: Marks
+    mark_box: MarkBox
+    feeds: Feeds
+    crop_tool: CropTool
+    select_tools: SelectTools
+    filing: Filing
+    actions_: Actions
 
     def __init__(
         self,
@@ -68,40 +107,37 @@ class MainWindow(QMainWindow):
         *,
         size: tuple[int, int] | None = None,
         remembers: bool = True,
+        in_pieces: bool = False,
     ) -> None:
         super().__init__()
         self.setWindowTitle("Stepfield")
         self.resize(*(size or USUAL_SIZE))
         self.setDockOptions(QMainWindow.DockOption.AllowTabbedDocks | QMainWindow.DockOption.AllowNestedDocks)
-        self.appearance, self.settings, self._remembers = appearance, settings, remembers
+        self.appearance, self.settings, self.remembers = appearance, settings, remembers
         self.trouble: StepfieldError | None = None
-        self.document = Document(parent=self)
-        self.selection = Selection(self.document, self)
-        self.editor = Editor(self.document, self.selection, self)
-        self.client = RenderClient(self)
         self.first_paint = FirstPaint(self)
-        self._make_views()
-        self._make_panels()
-        self.feeds = Feeds(self)
-        self._make_tools()
-        self.filing = Filing(self, remembers=remembers)
-        self.actions_ = commands.make(self)
-        self._connect()
-        docks.arrange(self, self.docks)
+        self._afterwards = Afterwards(_load_workbench, self._furnish, self)
+        self.ready = self._afterwards.done
+        self._make_centre()
+        toolbars.sketch(self, self.welcome.open_wanted.emit)
+        self.docks = docks.make(self)
         if remembers:
             docks.restore(self, settings, with_size=size is None)
-        self._dress(appearance.theme)
-        self._show_whether_open()
+        if in_pieces:
+            self.first_paint.then(self._afterwards.begin)
+        else:
+            self._afterwards.finish()
 
     # --- Making ---------------------------------------------------------------------------------------------
 
-    def _make_views(self) -> None:
-        self.trio = Trio(self.client)
+    def _make_centre(self) -> None:
         self.welcome = WelcomePage(self.settings.recent)
+        self.welcome.open_wanted.connect(partial(self.when_ready, lambda: self.filing.choose_files()))
+        self.welcome.demo_wanted.connect(partial(self.when_ready, lambda: self.feeds.demo.start()))
+        self.welcome.files_chosen.connect(self.open_scans)
         self.message_bar = MessageBar(self.appearance.theme)
         self._middle = QStackedWidget()
         self._middle.addWidget(self.welcome)
-        self._middle.addWidget(self.trio)
         centre = QWidget()
         self._centre = QVBoxLayout(centre)
         self._centre.setContentsMargins(0, 0, 0, 0)
@@ -112,81 +148,49 @@ class MainWindow(QMainWindow):
         self.status = Status(self)
         self.setStatusBar(self.status)
 
-    def _make_panels(self) -> None:
-        self.map, self.profile, self.histogram = MapView(), ProfileView(), HistogramView()
-        self.parameters, self.cleaning = ParametersPanel(self.document), CleaningPanel(self.document)
-        self.layers, self.history = LayersPanel(self.document), HistoryPanel(self.document)
-        self.fidelity = FidelityPanel(Strip("Fidelity"))
-        self.layer_editing = LayersEditing(self.document, self.layers, self.editor)
-        self.moves, self.suspects = MovesPanel(self.document, self.editor), SuspectsPanel()
-        self.marks, self.mark_box = Marks(), MarkBox()
-        self.complex_marks = Marks(lambda _: (COMPLEX_COLOUR,))
-        for marks in (self.complex_marks, self.marks):
-            self.map.plot.addItem(marks, ignoreBounds=True)
-        self.map.strip.add(self.mark_box)
-        self.docks = docks.Docks(
-            parameters=docks.docked(self, "Parameters", self.parameters, docks.LEFT),
-            cleaning=docks.docked(self, "Cleaning", self.cleaning, docks.LEFT),
-            elevations=docks.docked(self, "Elevations", self.histogram, docks.LEFT),
-            layers=docks.docked(self, "Layers", self.layers, docks.RIGHT),
-            fidelity=docks.docked(self, "Fidelity", self.fidelity, docks.RIGHT),
-            history=docks.docked(self, "History", self.history, docks.RIGHT),
-            edits=docks.docked(self, "Edits", self.moves, docks.RIGHT),
-            suspects=docks.docked(self, "Suspicious places", self.suspects, docks.RIGHT),
-            map=docks.docked(self, "Map", self.map, docks.BOTTOM),
-            profile=docks.docked(self, "Profile", self.profile, docks.BOTTOM),
-        )
+    def _furnish(self) -> Iterator[None]:
+        from stepfield_app.workbench import furnish
 
-    def _make_tools(self) -> None:
-        self.crop_tool = CropTool(self.document, self.trio, self.feeds.scene)
-        views = Views(self.trio, self.map, self.profile, self.status)
-        self.select_tools = SelectTools(
-            self.document, self.selection, self.editor, views, self.feeds.scene, self.layers.visible_layers
-        )
-        self._centre.insertWidget(1, self.select_tools.strip)
+        return furnish(self)
 
-    def _connect(self) -> None:
-        document, feeds = self.document, self.feeds
-        self.first_paint.happened.connect(self.client.start)  # takes seconds, and nobody has to wait
-        document.failed.connect(self.tell)
-        document.opened.connect(self._note_opened)
-        document.answer_changed.connect(lambda _: self._show_whether_open())
-        for view in (self.trio, self.map, self.profile, self.histogram):
-            document.pending_changed.connect(view.set_pending)
-        self.profile.place_hovered.connect(lambda x, y: self.map.set_mark((x, y)))
-        self.profile.cursor_left.connect(lambda: self.map.set_mark(None))
-        for source in (*feeds, feeds.demo, self.selection, self.select_tools):
-            source.failed.connect(self.tell)
-        for says in (self.editor.told, feeds.suspect.told, feeds.complex.told):
-            says.connect(self.status.say)
-        document.undo_stack.indexChanged.connect(lambda _: self.status.clearMessage())  # undone, perhaps
-        self.layers.visibility_changed.connect(self._show_layers)
-        self.fidelity.map_wanted.connect(self.show_map)
-        self.moves.places_shown.connect(feeds.selection.show_places)
-        self.cleaning.crop_tool_requested.connect(self.crop_tool.set_active)
-        self.cleaning.crop_tool_requested.connect(self._show_cleaning)
-        self.welcome.open_wanted.connect(self.filing.choose_files)
-        self.welcome.demo_wanted.connect(feeds.demo.start)
-        self.welcome.files_chosen.connect(self.open_scans)
-        feeds.demo.progressed.connect(self.status.show_progress)
-        feeds.complex.progressed.connect(self.status.show_progress)
-        feeds.complex.rested.connect(self.status.clear_progress)
-        feeds.demo.made.connect(self.open_scans)
-        self.status.cancel_wanted.connect(self.cancel)
-        DropTarget(self).dropped.connect(self.open_scans)
-        self.appearance.changed.connect(self._dress)
+    def add_to_middle(self, views: QWidget) -> None:
+        """Add what stands in the middle while a scan is open."""
+        self._middle.addWidget(views)
+
+    def add_above_middle(self, strip: QWidget) -> None:
+        """Add a strip below the messages."""
+        self._centre.insertWidget(1, strip)
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether everything is there."""
+        return self._afterwards.is_done
+
+    def when_ready(self, call: Callable[[], object]) -> None:
+        """Call when everything is there."""
+        if self.is_ready:
+            call()
+        else:
+            self.ready.connect(call)
 
     # --- Doing ----------------------------------------------------------------------------------------------
 
     def open_scans(self, files: Sequence[Path], parameters: Parameters | None = None) -> None:
         """Open the files of one scan, or a project; the present one stays until the new one has been read."""
-        self.filing.open(files, parameters)
+        self.when_ready(lambda: self.filing.open(files, parameters))
 
     def show_map(self, mode: str) -> None:
         """Show the map, drawn in one of its ways."""
         self.docks.map.show()
         self.docks.map.raise_()
         self.map.set_mode(mode)
+
+    def close_at_once(self) -> None:
+        """Close, and ask nothing: edits are kept for the next time."""
+        if self.is_ready:
+            self.filing.close_at_once()
+        else:
+            self.close()
 
     def cancel(self) -> None:
         """Stop what is being made."""
@@ -211,6 +215,8 @@ class MainWindow(QMainWindow):
 
     def is_settled(self) -> bool:
         """Whether everything that was asked for is on the screen."""
+        if not self.is_ready:
+            return False
         document = self.document
         if document.busy or document.pending or self.selection.busy:
             return False
@@ -224,13 +230,15 @@ class MainWindow(QMainWindow):
 
     # --- Following ------------------------------------------------------------------------------------------
 
-    def _note_opened(self) -> None:
+    def note_opened(self) -> None:
+        """Pass on what is strange about a scan that was just opened."""
         self.trouble = None
         assert self.document.answer is not None
         for warning in self.document.answer.result.scan.warnings:
             self.message_bar.tell("warning", advice(warning))
 
-    def _show_whether_open(self) -> None:
+    def show_whether_open(self) -> None:
+        """Show the views while a scan is open, and what can be opened while there is none."""
         is_open = self.document.answer is not None
         if is_open == (self._middle.currentWidget() is self.trio) and self.isVisible():
             return
@@ -240,40 +248,16 @@ class MainWindow(QMainWindow):
         if is_open:
             self.trio.setFocus()
 
-    def _show_layers(self) -> None:
-        visible = self.layers.visible_layers()
-        self.feeds.scene.set_visible(visible)
-        self.feeds.selection.set_visible(visible)
-
-    def _show_cleaning(self, is_wanted: bool) -> None:
-        """Bring the numbers of the crop box to the front while it is worked on."""
-        if is_wanted and not self.docks.cleaning.isHidden():
-            self.docks.cleaning.raise_()
-
-    def _dress(self, theme: Theme) -> None:
-        for part in (
-            self.trio,
-            self.map,
-            self.profile,
-            self.histogram,
-            self.layers,
-            self.moves,
-            self.marks,
-            self.complex_marks,
-            self.mark_box,
-            self.message_bar,
-            self.crop_tool,
-            self.select_tools,
-        ):
-            part.set_theme(theme)
-        self.feeds.scene.set_theme(theme)
-
     def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
         """Stop everything; no process and no thread is left."""
+        self._afterwards.stop()
+        if not self.is_ready:
+            super().closeEvent(event)
+            return
         if not self.filing.may_close():
             event.ignore()
             return
-        if self._remembers:
+        if self.remembers:
             docks.remember(self, self.settings)
         for dialog in self.findChildren(QDialog):
             dialog.done(QDialog.DialogCode.Rejected)  # a signal closes the window under an open dialog
@@ -283,3 +267,7 @@ class MainWindow(QMainWindow):
         self.document.close()
         self.client.close()
         super().closeEvent(event)
+
+
+def _load_workbench() -> None:
+    from stepfield_app import workbench  # noqa: F401 - it is loaded, which takes longer than all until then

@@ -15,6 +15,7 @@ from tests.app.desk import TOP, Desk, desk_at
 from stepfield_app.actions import Actions
 from stepfield_app.commands import select
 from stepfield_app.render.scene import PILLARS
+from stepfield_app.toolbars import TOOLS
 from stepfield_app.tools.crop import CropTool
 from stepfield_app.tools.selecting import SelectingTool
 
@@ -51,7 +52,7 @@ def actions(qtbot: QtBot, desk: Desk) -> Actions:
 
 
 def in_use(actions: Actions) -> list[str]:
-    return [name for name in [*select.TOOLS, "crop", "profile line"] if actions[name].isChecked()]
+    return [name for name in [*TOOLS, "crop", "profile line"] if actions[name].isChecked()]
 
 
 def in_hand(desk: Desk) -> str:
@@ -110,7 +111,7 @@ def test_one_key_leads_to_the_map_and_its_cursor(desk: Desk, actions: Actions) -
 
 
 def test_no_key_means_two_things(actions: Actions) -> None:
-    names = [*select.TOOLS, *select.EDIT, *select.REACHES, *select.BRUSH, select.KEYBOARD]
+    names = [*TOOLS, *select.EDIT, *select.REACHES, *select.BRUSH, select.KEYBOARD]
     keys = [key.toString() for name in names for key in actions[name].shortcuts()]
     assert len(keys) == len(set(keys))
     assert all(actions[name].shortcuts() for name in names), "there must be a way without a mouse"

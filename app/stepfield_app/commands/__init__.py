@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from stepfield_app.actions import Actions
 from stepfield_app.commands import edit, file, help, layers, select, tools, view
+from stepfield_app.toolbars import TOOLBARS
 
 if TYPE_CHECKING:
     from stepfield_app.main_window import MainWindow
@@ -27,7 +28,6 @@ def make(window: MainWindow) -> Actions:
     layers.fill(actions)
     tools.fill(actions)
     help.fill(actions)
-    actions.toolbar("Main", ["open", "save", "export", None, "undo", "redo", None])
-    actions.toolbar("Tools", [*select.TOOLS, None, "crop", "profile line", None])
-    actions.toolbar("View", ["iso", "top", "front", "side", "fit", "parallel"])
+    for title, names in TOOLBARS.items():
+        actions.toolbar(title, names)
     return actions

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from stepfield_app.actions import Actions
 from stepfield_app.selection import ReachKind
+from stepfield_app.toolbars import TOOLS
 from stepfield_app.tools.choice import ToolName
 
 if TYPE_CHECKING:
     from stepfield_app.main_window import MainWindow
 
-#: Names of the actions: of the toolbar and the Tools menu, of the Edit menu and every view's, of its submenu.
-TOOLS = ["navigate", "click", "rectangle", "lasso", "brush", "surface"]
+#: Names of the other actions: of the Edit menu and every view's, of its submenu, of the Tools menu.
 EDIT = ["select all", "invert", "grow", "shrink", "clear selection"]
 REACHES = ["reach layer", "reach range", "reach everything"]
 BRUSH = ["narrower brush", "wider brush"]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from stepfield_app.actions import Actions
 from stepfield_app.commands import select
+from stepfield_app.toolbars import TOOLS
 
 if TYPE_CHECKING:
     from stepfield_app.main_window import MainWindow
@@ -64,7 +65,7 @@ def _make_places(actions: Actions, window: MainWindow) -> None:
 def fill(actions: Actions) -> None:
     """Fill the menu."""
     tools = actions.menu(
-        "&Tools", [*select.TOOLS, None, *select.BRUSH, select.KEYBOARD, None, "crop", "profile line"]
+        "&Tools", [*TOOLS, None, *select.BRUSH, select.KEYBOARD, None, "crop", "profile line"]
     )
     actions.fill(tools, [None, *PLACES, None, "leave"])
 
