@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from stepfield_app import commands, docks
@@ -37,17 +38,30 @@ if TYPE_CHECKING:
 
 def furnish(window: MainWindow) -> Iterator[None]:
     """Make all that a window lacks that was just painted; each piece takes less than an eye notices."""
-    _make_document(window)
-    yield
-    yield from _make_plots(window)
-    yield from _make_panels(window)
-    _make_feeds_and_tools(window)
-    yield
-    window.filing = Filing(window, remembers=window.remembers)
-    window.actions_ = commands.make(window)
-    _connect(window)
-    _dress(window, window.appearance.theme)
-    window.show_whether_open()
+    with _as_painted(window):
+        _make_document(window)
+        yield
+        yield from _make_plots(window)
+        yield from _make_panels(window)
+        yield from _put_into_docks(window)
+        _make_feeds_and_tools(window)
+        yield
+        window.filing = Filing(window, remembers=window.remembers)
+        window.actions_ = commands.make(window)
+        yield
+        _connect(window)
+        _dress(window, window.appearance.theme)
+        window.show_whether_open()
+
+
+@contextmanager
+def _as_painted(window: MainWindow) -> Iterator[None]:
+    """Leave a window on the screen as it is: all that is new comes into sight at once."""
+    window.setUpdatesEnabled(False)
+    try:
+        yield
+    finally:
+        window.setUpdatesEnabled(True)
 
 
 # --- Making -------------------------------------------------------------------------------------------------
@@ -70,38 +84,42 @@ def _make_plots(window: MainWindow) -> Iterator[None]:
     for marks in (window.complex_marks, window.marks):
         window.map.plot.addItem(marks, ignoreBounds=True)
     window.map.strip.add(window.mark_box)
-    window.map.set_theme(window.appearance.theme)
-    docks.put(window.docks.map, window.map)
     yield
     window.profile = ProfileView()
-    window.profile.set_theme(window.appearance.theme)
-    docks.put(window.docks.profile, window.profile)
     yield
     window.histogram = HistogramView()
-    window.histogram.set_theme(window.appearance.theme)
-    docks.put(window.docks.elevations, window.histogram)
     yield
 
 
 def _make_panels(window: MainWindow) -> Iterator[None]:
-    document, made = window.document, window.docks
+    document = window.document
     window.parameters = ParametersPanel(document)
-    docks.put(made.parameters, window.parameters)
     yield
     window.cleaning = CleaningPanel(document)
-    docks.put(made.cleaning, window.cleaning)
     yield
     window.layers, window.history = LayersPanel(document), HistoryPanel(document)
     window.fidelity = FidelityPanel(Strip("Fidelity"))
     window.layer_editing = LayersEditing(document, window.layers, window.editor)
-    docks.put(made.layers, window.layers)
-    docks.put(made.fidelity, window.fidelity)
-    docks.put(made.history, window.history)
     yield
     window.moves, window.suspects = MovesPanel(document, window.editor), SuspectsPanel()
-    docks.put(made.edits, window.moves)
-    docks.put(made.suspects, window.suspects)
     yield
+
+
+def _put_into_docks(window: MainWindow) -> Iterator[None]:
+    for dock, panel in (
+        (window.docks.parameters, window.parameters),
+        (window.docks.cleaning, window.cleaning),
+        (window.docks.elevations, window.histogram),
+        (window.docks.layers, window.layers),
+        (window.docks.fidelity, window.fidelity),
+        (window.docks.history, window.history),
+        (window.docks.edits, window.moves),
+        (window.docks.suspects, window.suspects),
+        (window.docks.map, window.map),
+        (window.docks.profile, window.profile),
+    ):
+        docks.put(dock, panel)
+        yield
 
 
 def _make_feeds_and_tools(window: MainWindow) -> None:

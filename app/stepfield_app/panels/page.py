@@ -35,12 +35,12 @@ class Page(QWidget):
         self._scroll.setFrameShape(QFrame.Shape.NoFrame)
         self._scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self._scroll.setWidget(content)
-        self._scroll.viewport().setAutoFillBackground(False)
-        content.setAutoFillBackground(False)
         self._stack = QStackedLayout(self)
         self._stack.addWidget(self._empty)
         self._stack.addWidget(self._scroll)
+        self._scroll.setWidget(content)  # last: all of it is styled anew whenever something takes it in
+        self._scroll.viewport().setAutoFillBackground(False)
+        content.setAutoFillBackground(False)
 
     def set_filled(self, is_filled: bool) -> None:
         """Show the content, or the sentence."""
