@@ -78,30 +78,38 @@ class Docks:
 def make(window: QMainWindow) -> Docks:
     """Put all docks into a window, where they stand when the program is new; their panels are still blank."""
     made = Docks(
-        parameters=_made(window, "Parameters", LEFT),
-        cleaning=_made(window, "Cleaning", LEFT),
-        elevations=_made(window, "Elevations", LEFT),
-        layers=_made(window, "Layers", RIGHT),
-        fidelity=_made(window, "Fidelity", RIGHT, keeps_title=True),
-        history=_made(window, "History", RIGHT),
-        edits=_made(window, "Edits", RIGHT),
-        suspects=_made(window, "Suspicious places", RIGHT),
-        map=_made(window, "Map", BOTTOM, keeps_title=True),
-        profile=_made(window, "Profile", BOTTOM, keeps_title=True),
+        parameters=_made(window, "Parameters", LEFT, (0, 72)),
+        cleaning=_made(window, "Cleaning", LEFT, (0, 72)),
+        elevations=_made(window, "Elevations", LEFT, (0, 120), is_plot=True),
+        layers=_made(window, "Layers", RIGHT, (0, 142)),
+        fidelity=_made(window, "Fidelity", RIGHT, (0, 72), keeps_title=True),
+        history=_made(window, "History", RIGHT, (0, 72)),
+        edits=_made(window, "Edits", RIGHT, (0, 105)),
+        suspects=_made(window, "Suspicious places", RIGHT, (0, 61)),
+        map=_made(window, "Map", BOTTOM, (380, 100), keeps_title=True, is_plot=True),
+        profile=_made(window, "Profile", BOTTOM, (334, 100), keeps_title=True, is_plot=True),
     )
     arrange(window, made)
     return made
 
 
 def _made(
-    window: QMainWindow, title: str, area: Qt.DockWidgetArea, *, keeps_title: bool = False
+    window: QMainWindow,
+    title: str,
+    area: Qt.DockWidgetArea,
+    least: tuple[int, int],
+    *,
+    keeps_title: bool = False,
+    is_plot: bool = False,
 ) -> QDockWidget:
     """Put a dock into a window; where a tab says the same its title is left out, unless it has controls."""
     dock = QDockWidget(title, window)
     dock.setObjectName(f"dock {title}")
-    blank = QWidget()
-    blank.setMinimumWidth({LEFT: LEAST_WIDTH + BAR_WIDTH, RIGHT: LEAST_WIDTH}.get(area, LEAST_WIDTH // 2))
+    blank = _Blank(area, least)
     put(dock, blank)
+    if is_plot:  # these have the ground of the window
+        blank.setAttribute(Qt.WidgetAttribute.WA_StyledBackground, False)
+        blank.setAutoFillBackground(True)
     strip = _titled(dock, Strip(title))
     dock.setTitleBarWidget(strip)
     if not keeps_title:
@@ -113,14 +121,34 @@ def _made(
 def put(dock: QDockWidget, panel: QWidget) -> None:
     """Put a panel into a dock, in place of the one before; a panel's own strip becomes the dock's title."""
     before, title, strip = dock.widget(), dock.titleBarWidget(), getattr(panel, "strip", None)
-    if before is not None:
-        panel.setMinimumWidth(before.minimumWidth())
+    if isinstance(before, _Blank):
+        panel.setMinimumWidth(before.narrowest)
         before.deleteLater()
     panel.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
     dock.setWidget(panel)
     if strip is not None:
         dock.setTitleBarWidget(_titled(dock, strip))
         title.deleteLater()
+
+
+class _Blank(QWidget):
+    """Keeps the place of a panel, and takes the room that it will need: nothing moves when it comes.
+
+    Parameters
+    ----------
+    area : Qt.DockWidgetArea
+    least : tuple of int
+        Width and height that the panel and its title will ask for at least.
+    """
+
+    def __init__(self, area: Qt.DockWidgetArea, least: tuple[int, int]) -> None:
+        super().__init__()
+        self.narrowest = {LEFT: LEAST_WIDTH + BAR_WIDTH, RIGHT: LEAST_WIDTH}.get(area, LEAST_WIDTH // 2)
+        self._least = QSize(max(least[0], self.narrowest), least[1])
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        """Return what the panel will ask for."""
+        return self._least
 
 
 def _titled(dock: QDockWidget, strip: Strip) -> Strip:

@@ -240,7 +240,7 @@ class MainWindow(QMainWindow):
     def show_whether_open(self) -> None:
         """Show the views while a scan is open, and what can be opened while there is none."""
         is_open = self.document.answer is not None
-        if is_open == (self._middle.currentWidget() is self.trio) and self.isVisible():
+        if self.is_ready and is_open == (self._middle.currentWidget() is self.trio):
             return
         self._middle.setCurrentWidget(self.trio if is_open else self.welcome)
         self.actions_.enable(is_open)

@@ -33,8 +33,11 @@ first = MainWindow.__init__
 def remember(self, *words, **named):
     first(self, *words, **named)
     made.append(self)
-    self.document.opened.connect(lambda: QTimer.singleShot(0, act))
-    self.client.state_changed.connect(lambda state: state == "running" and tell())
+    self.when_ready(listen)
+
+def listen():
+    made[0].document.opened.connect(lambda: QTimer.singleShot(0, act))
+    made[0].client.state_changed.connect(lambda state: state == "running" and tell())
 
 def tell():
     print("running", made[0].client.process_id, flush=True)

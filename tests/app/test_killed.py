@@ -34,7 +34,7 @@ first = MainWindow.__init__
 def remember(self, *words, **named):
     first(self, *words, **named)
     made.append(self)
-    begin(self)
+    self.when_ready(lambda: begin(self))
 
 def say(*words):
     print(*words, flush=True)

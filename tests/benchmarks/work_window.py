@@ -45,13 +45,6 @@ PARAMETER = {"tolerance": "layer_tolerance", "alpha": "alpha", "cell_size": "cel
 # --- Tasks --------------------------------------------------------------------------------------------------
 
 
-def start(window: MainWindow, report: Report, clock: Clock) -> Iterator[Wait]:
-    """Note when the window is painted first and when the scan is drawn."""
-    report["imported"] = "open3d" in sys.modules
-    yield partial(settled, window)
-    report["drawn"] = age()
-
-
 def tune(window: MainWindow, report: Report, clock: Clock) -> Iterator[Wait]:
     """Drag every slider, then compare the exact result of a cell size with the core's own time."""
     yield partial(settled, window)
@@ -93,7 +86,7 @@ def grow(window: MainWindow, report: Report, clock: Clock) -> Iterator[Wait]:
     report["after"] = held()
 
 
-TASKS: dict[str, Task] = {"start": start, "tune": tune, "orbit": orbit, "grow": grow, "edit": edit}
+TASKS: dict[str, Task] = {"tune": tune, "orbit": orbit, "grow": grow, "edit": edit}
 
 
 # --- Dragging -----------------------------------------------------------------------------------------------
@@ -286,32 +279,20 @@ def shared_places() -> list[Path]:
 # --- Running ------------------------------------------------------------------------------------------------
 
 
-def age() -> float:
-    """Seconds since this process was started.
-
-    On Linux by the clock the kernel notes it with: psutil adds the time of the boot, cut to a second.
-    """
-    if sys.platform != "linux":
-        return float(time.time() - psutil.Process().create_time())
-    ticks = Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19]
-    return time.clock_gettime(time.CLOCK_BOOTTIME) - int(ticks) / os.sysconf("SC_CLK_TCK")
-
-
 def watched(task: Task, report: Report) -> type[MainWindow]:
     """Return a window that works itself as soon as it is painted."""
 
     class Watched(MainWindow):
         def __init__(self, *given: Any, **named: Any) -> None:
             super().__init__(*given, **named)
+            self._clock: Clock | None = None
             self._first = Watch(self, lambda: QTimer.singleShot(0, self._begin))
 
         def _begin(self) -> None:
-            if "visible" in report:
-                return
             self._first.end()
-            report["visible"] = age()
-            clock = Clock(self)
-            clock.start(self._work(clock))
+            if self._clock is None:
+                self._clock = Clock(self)
+                self._clock.start(self._work(self._clock))
 
         def _work(self, clock: Clock) -> Iterator[Wait]:
             yield from task(self, report, clock)
