@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from PySide6.QtGui import QCloseEvent
@@ -18,6 +19,7 @@ from stepfield_app.afterwards import Afterwards
 from stepfield_app.appearance import Appearance
 from stepfield_app.first_paint import FirstPaint
 from stepfield_app.settings import Settings
+from stepfield_app.theme import Theme
 from stepfield_app.views.message_bar import MessageBar
 from stepfield_app.views.status import Status
 from stepfield_app.views.welcome import WelcomePage
@@ -116,7 +118,7 @@ class MainWindow(QMainWindow):
         self.appearance, self.settings, self.remembers = appearance, settings, remembers
         self.trouble: StepfieldError | None = None
         self.first_paint = FirstPaint(self)
-        self._afterwards = Afterwards(_load_workbench, self._furnish, self)
+        self._afterwards = Afterwards(_workbench, lambda: _workbench().furnish(self), self)
         self.ready = self._afterwards.done
         self._make_centre()
         toolbars.sketch(self, self.welcome.open_wanted.emit)
@@ -147,11 +149,6 @@ class MainWindow(QMainWindow):
         self.setCentralWidget(centre)
         self.status = Status(self)
         self.setStatusBar(self.status)
-
-    def _furnish(self) -> Iterator[None]:
-        from stepfield_app.workbench import furnish
-
-        return furnish(self)
 
     def add_to_middle(self, views: QWidget) -> None:
         """Add what stands in the middle while a scan is open."""
@@ -248,11 +245,40 @@ class MainWindow(QMainWindow):
         if is_open:
             self.trio.setFocus()
 
+    def show_layers(self) -> None:
+        """Show the layers in the 3-D views that are to be seen."""
+        visible = self.layers.visible_layers()
+        self.feeds.scene.set_visible(visible)
+        self.feeds.selection.set_visible(visible)
+
+    def show_cleaning(self, is_wanted: bool) -> None:
+        """Bring the numbers of the crop box to the front while it is worked on."""
+        if is_wanted and not self.docks.cleaning.isHidden():
+            self.docks.cleaning.raise_()
+
+    def dress(self, theme: Theme) -> None:
+        """Put on the colours of a theme."""
+        for part in (
+            self.trio,
+            self.map,
+            self.profile,
+            self.histogram,
+            self.layers,
+            self.moves,
+            self.marks,
+            self.complex_marks,
+            self.mark_box,
+            self.message_bar,
+            self.crop_tool,
+            self.select_tools,
+        ):
+            part.set_theme(theme)
+        self.feeds.scene.set_theme(theme)
+
     def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
         """Stop everything; no process and no thread is left."""
         self._afterwards.stop()
         if not self.is_ready:
-            super().closeEvent(event)
             return
         if not self.filing.may_close():
             event.ignore()
@@ -269,5 +295,7 @@ class MainWindow(QMainWindow):
         super().closeEvent(event)
 
 
-def _load_workbench() -> None:
-    from stepfield_app import workbench  # noqa: F401 - it is loaded, which takes longer than all until then
+def _workbench() -> ModuleType:
+    from stepfield_app import workbench  # takes longer to load than all before the first paint
+
+    return workbench

@@ -22,7 +22,7 @@ from stepfield_app.panels.parameters import ParametersPanel
 from stepfield_app.panels.suspects import SuspectsPanel
 from stepfield_app.render.client import RenderClient
 from stepfield_app.selection import Selection
-from stepfield_app.theme import COMPLEX_COLOUR, Theme
+from stepfield_app.theme import COMPLEX_COLOUR
 from stepfield_app.tools.crop import CropTool
 from stepfield_app.tools.select import SelectTools, Views
 from stepfield_app.views.histogram import HistogramView
@@ -50,7 +50,7 @@ def furnish(window: MainWindow) -> Iterator[None]:
         window.actions_ = commands.make(window)
         yield
         _connect(window)
-        _dress(window, window.appearance.theme)
+        window.dress(window.appearance.theme)
         window.show_whether_open()
 
 
@@ -148,14 +148,14 @@ def _connect(window: MainWindow) -> None:
         source.failed.connect(window.tell)
     for says in (window.editor.told, feeds.suspect.told, feeds.complex.told):
         says.connect(window.status.say)
-    document.undo_stack.indexChanged.connect(lambda _: window.status.clearMessage())  # undone, perhaps
-    window.layers.visibility_changed.connect(lambda: _show_layers(window))
+    document.undo_stack.indexChanged.connect(window.status.clearMessage)  # undone, perhaps
+    window.layers.visibility_changed.connect(window.show_layers)
     window.fidelity.map_wanted.connect(window.show_map)
     window.moves.places_shown.connect(feeds.selection.show_places)
     window.cleaning.crop_tool_requested.connect(window.crop_tool.set_active)
-    window.cleaning.crop_tool_requested.connect(lambda is_wanted: _show_cleaning(window, is_wanted))
+    window.cleaning.crop_tool_requested.connect(window.show_cleaning)
     _connect_files(window)
-    window.appearance.changed.connect(lambda theme: _dress(window, theme))
+    window.appearance.changed.connect(window.dress)
 
 
 def _connect_files(window: MainWindow) -> None:
@@ -166,34 +166,3 @@ def _connect_files(window: MainWindow) -> None:
     feeds.demo.made.connect(window.open_scans)
     window.status.cancel_wanted.connect(window.cancel)
     DropTarget(window).dropped.connect(window.open_scans)
-
-
-def _show_layers(window: MainWindow) -> None:
-    visible = window.layers.visible_layers()
-    window.feeds.scene.set_visible(visible)
-    window.feeds.selection.set_visible(visible)
-
-
-def _show_cleaning(window: MainWindow, is_wanted: bool) -> None:
-    """Bring the numbers of the crop box to the front while it is worked on."""
-    if is_wanted and not window.docks.cleaning.isHidden():
-        window.docks.cleaning.raise_()
-
-
-def _dress(window: MainWindow, theme: Theme) -> None:
-    for part in (
-        window.trio,
-        window.map,
-        window.profile,
-        window.histogram,
-        window.layers,
-        window.moves,
-        window.marks,
-        window.complex_marks,
-        window.mark_box,
-        window.message_bar,
-        window.crop_tool,
-        window.select_tools,
-    ):
-        part.set_theme(theme)
-    window.feeds.scene.set_theme(theme)
