@@ -54,10 +54,9 @@ USUAL_SIZE = (1440, 900)
 
 
 class MainWindow(QMainWindow):
-    """Stepfield's window.
+    """Stepfield's window, painted with menus, toolbars, docks and a page that says what can be opened.
 
-    It is painted with its menus, toolbars and docks in place, and a page that says what can be opened. What
-    fills it comes then, see :mod:`stepfield_app.workbench`; nothing here may import any of that before.
+    What fills it comes then, see :mod:`stepfield_app.workbench`; nothing here may import any of that.
 
     Parameters
     ----------
@@ -73,7 +72,7 @@ class MainWindow(QMainWindow):
     Attributes
     ----------
     ready : Signal
-        It has been filled.
+        All is there.
     """
 
     status: Status
