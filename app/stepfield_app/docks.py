@@ -125,10 +125,10 @@ def put(dock: QDockWidget, panel: QWidget) -> None:
         panel.setMinimumWidth(before.narrowest)
         before.deleteLater()
     panel.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-    dock.setWidget(panel)
-    if strip is not None:
+    if strip is not None:  # first, or for a moment the panel would need the room of both
         dock.setTitleBarWidget(_titled(dock, strip))
         title.deleteLater()
+    dock.setWidget(panel)
 
 
 class _Blank(QWidget):
