@@ -17,6 +17,7 @@ from stepfield.parameters import Parameters
 from stepfield_app import docks, toolbars
 from stepfield_app.afterwards import Afterwards
 from stepfield_app.appearance import Appearance
+from stepfield_app.dropping import DropTarget
 from stepfield_app.first_paint import FirstPaint
 from stepfield_app.settings import Settings
 from stepfield_app.theme import Theme
@@ -148,6 +149,7 @@ class MainWindow(QMainWindow):
         self.setCentralWidget(centre)
         self.status = Status(self)
         self.setStatusBar(self.status)
+        DropTarget(self).dropped.connect(self.open_scans)
 
     def add_to_middle(self, views: QWidget) -> None:
         """Add what stands in the middle while a scan is open."""

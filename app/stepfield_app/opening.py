@@ -1,4 +1,4 @@
-"""What can be opened, and how it gets here: by dialog or dropped on the window, as a scan or as a project."""
+"""What is opened, chosen in a dialog or named: a scan of one or more files, or a project."""
 
 from __future__ import annotations
 
@@ -7,24 +7,22 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, Signal
-from PySide6.QtGui import QDropEvent
+from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QFileDialog, QWidget
 
 from stepfield.errors import ProjectError
 from stepfield.files import reason, sha256_of
+from stepfield.formats import FORMATS
 from stepfield.parameters import Parameters
 from stepfield.progress import Progress
 from stepfield.project import Project
-from stepfield.scan import FORMATS
 from stepfield.scan.scan import SourceFile
 from stepfield_app.document import Document
+from stepfield_app.dropping import PROJECT
 from stepfield_app.filed import Stored, Work
 from stepfield_app.newest import NewestWins
 from stepfield_app.requests import paths_of
 from stepfield_app.settings import Files, Settings
-
-PROJECT = ".stepfield"
 
 
 def file_filters() -> str:
@@ -49,13 +47,6 @@ def ask_for_files(parent: QWidget, settings: Settings) -> Files:
     if files:
         settings.remember_folder("open", files[0].parent)
     return files
-
-
-def openable(files: Iterable[Path]) -> Files:
-    """Return those files that can be opened together: one project, or all the scans."""
-    files = tuple(files)
-    projects = tuple(path for path in files if path.suffix.lower() == PROJECT)
-    return projects[:1] or tuple(path for path in files if path.suffix.lower() in FORMATS)
 
 
 def is_project(files: Sequence[Path]) -> bool:
@@ -237,42 +228,6 @@ def _found(wanted: _Wanted | Work, progress: Progress) -> Work | Missing:
 def _different(asked: _Comparison, progress: Progress) -> tuple[str, ...]:
     pairs = zip(asked.known, asked.files, strict=True)
     return tuple(file.name for known, file in pairs if known and known != file.sha256)
-
-
-class DropTarget(QObject):
-    """Lets files be dropped on a widget.
-
-    Accepts what holds at least one file that can be opened; says no to anything else while it is still in
-    the hand.
-    """
-
-    dropped = Signal(tuple)  # of Path
-    hovering = Signal(bool)  # whether files that can be opened are held over the widget
-
-    def __init__(self, widget: QWidget) -> None:
-        super().__init__(widget)
-        widget.setAcceptDrops(True)
-        widget.installEventFilter(self)
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Take the drag events of files; leave all others, such as pillars on their way, alone."""
-        kind = event.type()
-        if kind == QEvent.Type.DragLeave:
-            self.hovering.emit(False)
-            return False
-        if not isinstance(event, QDropEvent) or not (files := files_of(event.mimeData())):
-            return False
-        event.setDropAction(Qt.DropAction.CopyAction)
-        event.accept()
-        self.hovering.emit(kind != QEvent.Type.Drop)
-        if kind == QEvent.Type.Drop:
-            self.dropped.emit(files)
-        return True
-
-
-def files_of(data: QMimeData) -> Files:
-    """Return the files on this machine in a drop that can be opened."""
-    return openable(Path(url.toLocalFile()) for url in data.urls() if url.isLocalFile())
 
 
 def _patterns(suffixes: Iterable[str]) -> str:

@@ -11,7 +11,6 @@ from stepfield_app.commands.filing import Filing
 from stepfield_app.document import Document
 from stepfield_app.editor import Editor
 from stepfield_app.feeds.feeds import Feeds
-from stepfield_app.opening import DropTarget
 from stepfield_app.panels.cleaning import CleaningPanel
 from stepfield_app.panels.fidelity import FidelityPanel
 from stepfield_app.panels.history import HistoryPanel
@@ -165,4 +164,3 @@ def _connect_files(window: MainWindow) -> None:
     feeds.complex.rested.connect(window.status.clear_progress)
     feeds.demo.made.connect(window.open_scans)
     window.status.cancel_wanted.connect(window.cancel)
-    DropTarget(window).dropped.connect(window.open_scans)

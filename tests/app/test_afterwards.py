@@ -16,6 +16,7 @@ from pytestqt.qtbot import QtBot
 
 from stepfield_app.afterwards import Afterwards
 from stepfield_app.appearance import Appearance
+from stepfield_app.dropping import DropTarget
 from stepfield_app.main_window import MainWindow
 from stepfield_app.panels.page import GRID
 from stepfield_app.settings import Settings
@@ -119,16 +120,23 @@ def test_nothing_moves_when_the_panels_come(qtbot: QtBot, window: MainWindow) ->
 def test_what_is_wished_before_all_is_there_comes_true(
     qtbot: QtBot, window: MainWindow, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A click in the first half second would be lost."""
-    asked: list[str] = []
-    window.first_paint.happened.connect(window.welcome.open_wanted.emit)
-    window.when_ready(
-        lambda: monkeypatch.setattr(window.filing, "choose_files", lambda: asked.append("open"))
-    )
-    window.ready.connect(lambda: asked.append("ready"))
+    """A click in the first half second would be lost, and a scan that is dropped."""
+    asked: list[object] = []
+
+    def wish() -> None:
+        window.welcome.open_wanted.emit()
+        window.findChildren(DropTarget)[0].dropped.emit((Path("/scans/a.laz"),))
+        assert not asked
+
+    def listen() -> None:
+        monkeypatch.setattr(window.filing, "choose_files", lambda: asked.append("open"))
+        monkeypatch.setattr(window.filing, "open", lambda files, _: asked.append(files))
+
+    window.first_paint.happened.connect(wish)
+    window.when_ready(listen)
     with qtbot.waitSignal(window.ready):
         window.show()
-    assert "open" in asked
+    assert asked == ["open", (Path("/scans/a.laz"),)]
 
 
 def test_a_window_that_closes_while_it_is_filled_leaves_nothing(qtbot: QtBot, window: MainWindow) -> None:

@@ -17,7 +17,8 @@ from stepfield.parameters import Parameters
 from stepfield.project import Project, ScanFile
 from stepfield.scan import FORMATS, read_scan
 from stepfield_app import demo
-from stepfield_app.opening import DropTarget, ask_for_files, file_filters, openable, work_at
+from stepfield_app.dropping import DropTarget, openable
+from stepfield_app.opening import ask_for_files, file_filters, work_at
 from stepfield_app.settings import Settings
 from stepfield_app.views.header import ViewHeader
 from stepfield_app.views.status import Status

@@ -13,7 +13,8 @@ from stepfield.errors import ProjectError
 from stepfield.parameters import Parameters
 from stepfield_app.dialogs.missing import MissingScans
 from stepfield_app.dialogs.question import Answer, Question, Role
-from stepfield_app.opening import PROJECT, Missing, Opener, ask_for_files, ask_for_place
+from stepfield_app.dropping import PROJECT
+from stepfield_app.opening import Missing, Opener, ask_for_files, ask_for_place
 from stepfield_app.recovery import Draft, Recovery
 from stepfield_app.saving import FileWatch, Saving
 from stepfield_app.settings import Files
