@@ -100,6 +100,11 @@ class NewestWins(QObject, Generic[Asked, Answered]):
         """The request whose answer is being made, None for one that was cancelled."""
         return None if self._running is None or self._running.cancelled.is_set() else self._running.request
 
+    @property
+    def waiting(self) -> Asked | None:
+        """The request that waits for its turn."""
+        return None if self._waiting is None else self._waiting.request
+
     def ask(self, request: Asked, *, at_once: bool = False) -> None:
         """Ask for an answer, at once or at the usual pace; a request that still waits is forgotten."""
         if self._closed:

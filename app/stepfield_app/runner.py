@@ -147,10 +147,16 @@ class Runner(QObject):
         self._send(replace(request, quick=self._is_costly(request)))
 
     def settle(self) -> None:
-        """Say that the hand has stopped: the exact answer follows the preview."""
+        """Say that the hand has stopped: the exact answer follows the preview.
+
+        A preview of what the hand has left behind is not waited for: nobody would see it.
+        """
         self._settled = True
         if self._previewed is not None and self._previewed == self._newest:
             self._send(self._previewed, at_once=True)
+        elif self._newest is not None and self._is_behind():
+            self._stop()
+            self._send(replace(self._newest, quick=True), at_once=True)
 
     def cancel(self) -> None:
         """Stop; the last request gets no answer."""
@@ -200,6 +206,11 @@ class Runner(QObject):
         if running is None or foundation(running) == foundation(request):
             return False
         return running.scans != request.scans or (not running.quick and self._points > SMALL_SCAN)
+
+    def _is_behind(self) -> bool:
+        """Whether a preview still waits, be it for its turn or for one of something else."""
+        running, waiting = self._worker.running, self._worker.waiting
+        return waiting is not None and waiting.quick and (running is None or running.quick)
 
     def _receive(self, request: Request, outcome: Outcome) -> None:
         answer, self._points = outcome.answer, len(outcome.answer.result.scan)

@@ -149,6 +149,37 @@ def test_settling_twice_asks_once(runner: Runner, heard: Listener, large: Reques
     assert heard.quick() == [False]
 
 
+@pytest.mark.parametrize("running", ["preview", "exact", None])
+def test_a_release_does_not_wait_for_a_preview_of_what_the_hand_left_behind(
+    qtbot: QtBot, monkeypatch: pytest.MonkeyPatch, large: Request, running: str | None
+) -> None:
+    """The exact result would come that much later; an exact run that is on its way sorts what is wanted."""
+    runner = Runner()
+    heard = Listener(runner)
+    runner.ask(large)
+    qtbot.waitUntil(lambda: heard.quick()[-1:] == [False])
+    wanted = changed(large, cell_size=0.5)
+    preview = replace(wanted, quick=True)
+    asked: list[tuple[Request, bool]] = []
+    cancelled: list[bool] = []
+    runs = {
+        "preview": replace(changed(large, cell_size=0.4), quick=True),
+        "exact": changed(wanted, alpha=0.9),
+    }
+    monkeypatch.setattr(runner._worker, "ask", lambda request, at_once: asked.append((request, at_once)))
+    monkeypatch.setattr(runner._worker, "cancel", lambda: cancelled.append(True))
+    monkeypatch.setattr(type(runner._worker), "running", runs.get(running or ""))
+    monkeypatch.setattr(type(runner._worker), "waiting", preview)
+    runner.ask(wanted, settled=False)
+    assert not cancelled, "while the hand moves the running preview is finished and shown"
+    asked.clear()
+    runner.settle()
+    assert asked == ([] if running == "exact" else [(preview, True)])
+    assert bool(cancelled) is (running != "exact")
+    monkeypatch.undo()
+    runner.close()
+
+
 def test_after_cancelling_nothing_follows(runner: Runner, heard: Listener, large: Request) -> None:
     runner.ask(large)
     runner.ask(changed(large, cell_size=0.5), settled=False)
