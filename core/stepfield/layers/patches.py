@@ -78,43 +78,57 @@ def patches(around: Surroundings, layers: int) -> Integers:
         level[undecided] += 1
     is_first = np.zeros(len(around), bool)
     is_first[patch] = True
-    return _apart(around, (np.cumsum(is_first) - 1)[patch])
+    numbers: Integers = (np.cumsum(is_first) - 1)[patch]
+    return numbers
 
 
-def _apart(around: Surroundings, patch: Integers) -> Integers:
+def pieces(patch: Integers, links: Integers) -> Integers:
+    """Return the number of each pillar's connected piece, whatever cuts it, shape (M,)."""
+    one, other, _ = bound(patch, links)
+    return components(int(patch.max()) + 1, one, other)[patch]
+
+
+def apart(around: Surroundings, patch: Integers, piece: Integers) -> Integers:
     """Divide patches by how many fragments stand beneath and above their pillars; return the new numbers.
 
     A few strays would otherwise keep a whole patch from the layer of its neighbours, where going around
     each of them costs four seams.
     """
-    ties, size = between(around, patch, around.links), np.bincount(patch)
-    piece = components(len(size), ties.one, ties.other)
-    stray = (np.bincount(piece, size) < FRAGMENT)[piece[patch]]
+    stray = (np.bincount(piece) < FRAGMENT)[piece]
+    if not stray.any():
+        return patch
     count = np.concatenate([[0], np.cumsum(stray)])
     first = np.flatnonzero(np.diff(around.tower, prepend=-1))
     last = np.append(first[1:], len(patch))
-    tower = around.tower
-    beneath = count[:-1] - count[first][tower]
-    above = count[last][tower] - count[1:]
+    beneath = count[:-1] - count[first][around.tower]
+    above = count[last][around.tower] - count[1:]
     amid = np.flatnonzero(beneath + above)
     place = (patch[amid] * around.most + beneath[amid]) * around.most + above[amid]
     among, divided = np.unique(place, return_inverse=True)
+    whole = int(patch.max()) + 1
     patch = patch.copy()
-    patch[amid] = len(size) + divided
-    used = np.bincount(patch, minlength=len(size) + len(among)) > 0
+    patch[amid] = whole + divided
+    used = np.bincount(patch, minlength=whole + len(among)) > 0
     numbers: Integers = (np.cumsum(used) - 1)[patch]
     return numbers
+
+
+def bound(patch: Integers, links: Integers) -> tuple[Integers, Integers, Integers]:
+    """Bind patches by links, shape (L, 2): return the ends of every bond and how many links it stands for."""
+    count = int(patch.max()) + 1
+    one, other = patch[links[:, 0]], patch[links[:, 1]]
+    across = one != other
+    one, other = one[across], other[across]
+    linked, weight = np.unique(np.minimum(one, other) * count + np.maximum(one, other), return_counts=True)
+    return linked // count, linked % count, weight
 
 
 def between(around: Surroundings, patch: Integers, links: Integers) -> Ties:
     """Bind patches by some links, shape (L, 2), and by what stands above each other."""
     count = int(patch.max()) + 1
-    ends = patch[links]
-    ends = np.sort(ends[ends[:, 0] != ends[:, 1]], axis=1)
-    linked, weight = np.unique(ends[:, 0] * count + ends[:, 1], return_counts=True)
     below, above = around.stacked
     stacked = np.unique(patch[below] * count + patch[above])
-    return Ties(linked // count, linked % count, weight, stacked // count, stacked % count)
+    return Ties(*bound(patch, links), stacked // count, stacked % count)
 
 
 def components(nodes: int, one: Integers, other: Integers) -> Integers:

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from stepfield.grid import Grid
 from stepfield.layers.bands import refined
-from stepfield.layers.cuts import UP, lowest, settled
+from stepfield.layers.cuts import UP, Ties, lowest, settled
 from stepfield.layers.elevation import by_elevation
 from stepfield.layers.loose import gathered
-from stepfield.layers.patches import Surroundings, between, components, patches
+from stepfield.layers.patches import Surroundings, apart, between, bound, patches, pieces
 from stepfield.layers.sheets import AWAY_A_SEAM, Votes, whole
 from stepfield.layers.towers import Towers
 
@@ -47,14 +47,15 @@ def by_surface(grid: Grid, towers: Towers, links: Integers, layers: int) -> Inte
     """
     around = _surroundings(grid, towers, links)
     patch = patches(around, layers)
+    piece = pieces(patch, links)
+    patch = apart(around, patch, piece)
     ties, size = between(around, patch, links), np.bincount(patch)
     rise = np.abs(np.subtract(*towers.elevation[links].T))
-    gentle = between(around, patch, links[rise <= STEEPEST * grid.cell_size])
+    gentle = Ties(*bound(patch, links[rise <= STEEPEST * grid.cell_size]), ties.below, ties.above)
     fewest = settled(ties, lowest(len(size), ties.below, ties.above, layers), layers, (UP,))
     found = whole(ties, gentle, fewest, layers, size, _by_elevation(towers, layers, patch))
     wishes = found.by_elevation.of(patch), found.own.of(patch)
     layer = refined(around, found.layer[patch], layers, AWAY_A_SEAM, wishes)
-    piece = components(len(size), ties.one, ties.other)[patch]
     return gathered(around, towers.elevation, layer, layers, piece)
 
 
