@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from PySide6.QtGui import QCloseEvent
-from PySide6.QtWidgets import QDialog, QMainWindow, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QDialog, QMainWindow
 
 from stepfield.errors import StepfieldError
 from stepfield.parameters import Parameters
@@ -21,6 +21,7 @@ from stepfield_app.dropping import DropTarget
 from stepfield_app.first_paint import FirstPaint
 from stepfield_app.settings import Settings
 from stepfield_app.theme import Theme
+from stepfield_app.views.centre import Centre
 from stepfield_app.views.message_bar import MessageBar
 from stepfield_app.views.status import Status
 from stepfield_app.views.welcome import WelcomePage
@@ -138,26 +139,11 @@ class MainWindow(QMainWindow):
         self.welcome.demo_wanted.connect(partial(self.when_ready, lambda: self.feeds.demo.start()))
         self.welcome.files_chosen.connect(self.open_scans)
         self.message_bar = MessageBar(self.appearance.theme)
-        self._middle = QStackedWidget()
-        self._middle.addWidget(self.welcome)
-        centre = QWidget()
-        self._centre = QVBoxLayout(centre)
-        self._centre.setContentsMargins(0, 0, 0, 0)
-        self._centre.setSpacing(0)
-        self._centre.addWidget(self.message_bar)
-        self._centre.addWidget(self._middle, 1)
-        self.setCentralWidget(centre)
+        self.centre = Centre(self.message_bar, self.welcome)
+        self.setCentralWidget(self.centre)
         self.status = Status(self)
         self.setStatusBar(self.status)
         DropTarget(self).dropped.connect(self.open_scans)
-
-    def add_to_middle(self, views: QWidget) -> None:
-        """Add what stands in the middle while a scan is open."""
-        self._middle.addWidget(views)
-
-    def add_above_middle(self, strip: QWidget) -> None:
-        """Add a strip below the messages."""
-        self._centre.insertWidget(1, strip)
 
     @property
     def is_ready(self) -> bool:
@@ -238,9 +224,9 @@ class MainWindow(QMainWindow):
     def show_whether_open(self) -> None:
         """Show the views while a scan is open, and what can be opened while there is none."""
         is_open = self.document.answer is not None
-        if self.is_ready and is_open == (self._middle.currentWidget() is self.trio):
+        if self.is_ready and is_open == self.centre.shows_views:
             return
-        self._middle.setCurrentWidget(self.trio if is_open else self.welcome)
+        self.centre.show_views(is_open)
         self.actions_.enable(is_open)
         self.mark_box.setEnabled(is_open)
         if is_open:

@@ -73,7 +73,6 @@ def _make_document(window: MainWindow) -> None:
     window.selection = Selection(window.document, window)
     window.editor = Editor(window.document, window.selection, window)
     window.trio = Trio(window.client)
-    window.add_to_middle(window.trio)
 
 
 def _make_plots(window: MainWindow) -> Iterator[None]:
@@ -128,7 +127,7 @@ def _make_feeds_and_tools(window: MainWindow) -> None:
     window.select_tools = SelectTools(
         window.document, window.selection, window.editor, views, feeds.scene, window.layers.visible_layers
     )
-    window.add_above_middle(window.select_tools.strip)
+    window.centre.add(window.trio, window.select_tools.strip)
 
 
 # --- Connecting ---------------------------------------------------------------------------------------------

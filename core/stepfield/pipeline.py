@@ -107,8 +107,7 @@ class Pipeline:
         automatic = self._classified(field, parameters, share)
         edited = self._edited(field, automatic, moves, part(progress, 0.85, 0.95))
         links = self._linked(field, edited, parameters)
-        cutting = self._once("cutting", field, (), lambda: Cutting(field.made)).made
-        members = self._once("members", edited, (), lambda: cutting.members(edited.made.layering))
+        members = self._members(field, edited)
         progress(0.96, "filling holes")
         filled = self._filled(field, members, parameters)
         alpha = _metres(parameters.alpha)
@@ -244,6 +243,11 @@ class Pipeline:
         """Apply the moves, or only what is new of them."""
         replay = self._once("replay", automatic, (), lambda: Replay(field.made, automatic.made))
         return self._once("moves", replay, (tuple(moves),), lambda: replay.made.edited(moves, progress))
+
+    def _members(self, field: Stage[StepField], edited: Stage[Edited]) -> Stage[list[Members]]:
+        """Sort the pillars by layer; layers that an edit does not touch stay as they were."""
+        cutting = self._once("cutting", field, (), lambda: Cutting(field.made)).made
+        return self._once("members", edited, (), lambda: cutting.members(edited.made.layering))
 
     def _filled(
         self, field: Stage[StepField], members: Stage[list[Members]], parameters: Parameters

@@ -13,9 +13,10 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QLabel, QPushButton, QW
 from pytestqt.qtbot import QtBot
 
 from stepfield.errors import Cancelled, ProjectError, ScanError
+from stepfield.formats import FORMATS
 from stepfield.parameters import Parameters
 from stepfield.project import Project, ScanFile
-from stepfield.scan import FORMATS, read_scan
+from stepfield.scan import read_scan
 from stepfield_app import demo
 from stepfield_app.dropping import DropTarget, openable
 from stepfield_app.opening import ask_for_files, file_filters, work_at

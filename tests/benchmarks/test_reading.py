@@ -13,7 +13,8 @@ import pytest
 from numpy.typing import NDArray
 from tests.benchmarks.conftest import POINTS, Table, seconds
 
-from stepfield.scan import FORMATS, read_scan
+from stepfield.formats import FORMATS
+from stepfield.scan import read_scan
 from stepfield.scan.write import write
 
 

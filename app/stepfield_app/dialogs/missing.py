@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from stepfield.scan import FORMATS
+from stepfield.formats import FORMATS
 from stepfield_app.appearance import icon
 from stepfield_app.filed import Work
 from stepfield_app.opening import Missing

@@ -18,7 +18,7 @@ from stepfield.scan.cleaning import clean
 from stepfield.scan.cloud import Axis, Cloud, Reader
 from stepfield.scan.scan import Scan, SourceFile, joined
 
-__all__ = ["FORMATS", "Axis", "Cloud", "Scan", "SourceFile", "clean", "cleaned", "open_scan", "read_scan"]
+__all__ = ["Axis", "Cloud", "Scan", "SourceFile", "clean", "cleaned", "open_scan", "read_scan"]
 
 #: Metres from the origin beyond which points are damage, whatever unit was forgotten.
 FARTHEST = 1e12

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from stepfield.errors import Cancelled, ScanError
+from stepfield.formats import FORMATS
 from stepfield.parameters import METRES, Unit, Up
-from stepfield.scan import FORMATS, read_scan
+from stepfield.scan import read_scan
 from stepfield.scan.cloud import Axis, Cloud
 from stepfield.scan.scan import joined
 from stepfield.scan.write import write
