@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPointF, QRectF, Qt
-from PySide6.QtGui import QMouseEvent
+from PySide6.QtGui import QMouseEvent, QPaintEvent, QRegion
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
@@ -119,3 +119,25 @@ def test_labels_are_apart_and_inside(places: list[float]) -> None:
     moved = apart(places, QRectF(0, 0, 260, 220))
     assert all(lower - upper >= LABEL for lower, upper in pairwise(moved))
     assert all(LABEL / 2 <= place <= 220 - LABEL / 2 for place in moved)
+
+
+def test_a_new_histogram_is_painted_whole(qtbot: QtBot) -> None:
+    """Where no bar is, old labels would stay and new ones would be cut."""
+    painted: list[QRegion] = []
+
+    class Watched(HistogramView):
+        def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802
+            painted.append(event.region())
+            super().paintEvent(event)
+
+    view = Watched()
+    qtbot.addWidget(view)
+    view.show()
+    view.set_histogram(histogram())
+    qtbot.waitUntil(lambda: bool(painted))
+    while painted:  # sizes settle
+        painted.clear()
+        QApplication.processEvents()
+    view.set_histogram(histogram((("Floor", "#0072b2", 0.35),)))
+    qtbot.waitUntil(lambda: bool(painted))
+    assert QRegion(view.viewport().rect()).subtracted(painted[0]).isEmpty()

@@ -63,6 +63,7 @@ class HistogramView(Plot):
         edges, longest = histogram.edges, _longest(histogram.counts.sum(axis=0))
         extent = Extent(0.0, float(edges[0]), longest * (1 + FREE), float(edges[-1]))
         self.set_extent(extent, keep_zoom=self.is_touched and extent.is_level_with(self.extent))
+        self.viewport().update()  # labels reach beyond the bars
 
     def fit(self) -> None:
         """Show everything, the bars beginning at the axis."""
