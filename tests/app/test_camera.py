@@ -6,10 +6,10 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
-from stepfield_app.render.camera import MARGIN, NEAREST, Camera
+from stepfield_app.render.camera import LEAST_DISTANCE, LEAST_PARALLEL, MARGIN, NEAREST, Camera
 
 SIZE = (640, 400)
 
@@ -112,6 +112,7 @@ def test_orbiting_never_goes_over_the_top(camera: Camera, dx: float, dy: float) 
     numbers(-90, 90),
     st.booleans(),
 )
+@example((0, 0, 0), (0, 1, 0), (350, 20), 18, 0, False)  # so wide that only the eye's distance counts
 def test_fitting_frames_the_bounds_with_a_margin(
     low: tuple[float, float, float],
     extent: tuple[float, float, float],
@@ -128,7 +129,8 @@ def test_fitting_frames_the_bounds_with_a_margin(
     assert (free > MARGIN - 1e-3).all(), "a corner is cut off"
     seen = corners - np.mean(corners, axis=0)
     across = np.abs(seen @ np.array([camera.right, camera.up]).T).max()
-    if across > 0.15 * np.linalg.norm(extent) and across > 0.05:  # not a needle seen nearly end-on
+    nearest = np.abs(seen @ camera.forward).max() * (LEAST_PARALLEL if parallel else LEAST_DISTANCE)
+    if across > 0.05 and camera.distance > nearest * (1 + 1e-9):  # or the eye is about to enter the box
         assert free.min() < MARGIN + 1e-3, "the bounds could be shown larger"
 
 
