@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+from PySide6.QtCore import QSize
 from PySide6.QtGui import QCloseEvent
 from PySide6.QtWidgets import QDialog, QMainWindow
 
@@ -51,8 +52,8 @@ if TYPE_CHECKING:
     from stepfield_app.views.profile import ProfileView
     from stepfield_app.views.trio import Trio
 
-#: Size of the window when nothing else is said.
-USUAL_SIZE = (1440, 900)
+#: Size of the window when nothing else is said and the screen is large enough.
+USUAL_SIZE = QSize(1440, 900)
 
 
 class MainWindow(QMainWindow):
@@ -114,7 +115,7 @@ class MainWindow(QMainWindow):
     ) -> None:
         super().__init__()
         self.setWindowTitle("Stepfield")
-        self.resize(*(size or USUAL_SIZE))
+        self.resize(QSize(*size) if size else USUAL_SIZE.boundedTo(self.screen().availableSize()))
         self.setDockOptions(QMainWindow.DockOption.AllowTabbedDocks | QMainWindow.DockOption.AllowNestedDocks)
         self.appearance, self.settings, self.remembers = appearance, settings, remembers
         self.trouble: StepfieldError | None = None

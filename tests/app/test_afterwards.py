@@ -17,7 +17,7 @@ from pytestqt.qtbot import QtBot
 from stepfield_app.afterwards import Afterwards
 from stepfield_app.appearance import Appearance
 from stepfield_app.dropping import DropTarget
-from stepfield_app.main_window import MainWindow
+from stepfield_app.main_window import USUAL_SIZE, MainWindow
 from stepfield_app.panels.page import GRID
 from stepfield_app.settings import Settings
 
@@ -146,3 +146,14 @@ def test_a_window_that_closes_while_it_is_filled_leaves_nothing(qtbot: QtBot, wi
     QApplication.processEvents()
     assert not window.isVisible()
     assert not window.is_ready
+
+
+def test_a_new_window_is_no_larger_than_the_screen(qtbot: QtBot, window: MainWindow) -> None:
+    """On a small screen the layers would be out of sight at the very first start."""
+    new = MainWindow(window.appearance, window.settings, remembers=False, in_pieces=True)
+    room = new.screen().availableSize()
+    assert room.width() < USUAL_SIZE.width(), "the screen of this platform was to be small"
+    assert new.size() == USUAL_SIZE.boundedTo(room).expandedTo(new.minimumSizeHint())
+    assert new.height() < USUAL_SIZE.height()
+    new.close()
+    new.deleteLater()
