@@ -98,17 +98,30 @@ def fill(
         if not len(hole):
             made.append(NOTHING)
             continue
-        elevation = _METHODS[method](grid, layer, hole)
-        elevation = np.clip(elevation, layer.top.min(), layer.top.max())
-        fits = np.ones(len(hole), bool)
-        for other, ground in enumerate(layers):
-            if other != index:
-                fits &= _fits(hole, elevation, ground, index - other, clearance)
+        elevation = elevations_in(grid, layer, hole, method)
+        fits = fitting(layers, index, hole, elevation, clearance)
         for filled in made:
             lower = Ground(filled.compartment, filled.elevation, filled.elevation)
             fits &= _fits(hole, elevation, lower, 1, clearance)
         made.append(Filled(hole[fits], elevation[fits], int(np.count_nonzero(~fits))))
     return tuple(made)
+
+
+def elevations_in(grid: Grid, layer: Ground, hole: Integers, method: Method) -> Floats:
+    """Return what a method makes of the compartments of a layer's holes, whatever other layers have there."""
+    elevation: Floats = np.clip(_METHODS[method](grid, layer, hole), layer.top.min(), layer.top.max())
+    return elevation
+
+
+def fitting(
+    layers: Sequence[Ground], index: int, hole: Integers, elevation: Floats, clearance: float
+) -> Flags:
+    """Tell which elevations in holes of a layer are free of what the others have in the same compartments."""
+    fits = np.ones(len(hole), bool)
+    for other, ground in enumerate(layers):
+        if other != index:
+            fits &= _fits(hole, elevation, ground, index - other, clearance)
+    return fits
 
 
 def _fits(hole: Integers, elevation: Floats, ground: Ground, order: int, clearance: float) -> Flags:
