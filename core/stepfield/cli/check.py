@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from stepfield.cli.report import Reporter, counted
-from stepfield.fidelity import Distances, LayerFigures
+from stepfield.fidelity import Distances, FilledFigures, Hidden, LayerFigures
 from stepfield.stack.check import Report, check_stack
 
 #: How each way of reconstruction is called in a sentence.
@@ -35,6 +35,11 @@ def check_folder(folder: Path, scan: Sequence[Path], truth: str | None, reporter
             {"layer": layer.name} | figures.as_dict()
             for layer, figures in zip(manifest.layers, report.figures, strict=False)
         ],
+        "filled": [
+            {"layer": layer.name} | figures.as_dict()
+            for layer, figures in zip(manifest.layers, report.filled, strict=False)
+            if layer.filled_mask is not None
+        ],
         "fidelity": report.fidelity and report.fidelity.as_dict(),
         "truth": report.truth and report.truth.as_dict(),
     }
@@ -56,6 +61,11 @@ def _sentences(report: Report) -> Iterator[str]:
     yield f"{counted(manifest.seams, 'seam')} in {counted(manifest.links, 'link')}"
     for layer, figures in zip(manifest.layers, report.figures, strict=False):
         yield f"  {layer.image}  {layer.name}: {_covered(figures)}"
+    for layer, filled in zip(manifest.layers, report.filled, strict=False):
+        if layer.filled_mask is not None:
+            first, *more = _filled(filled)
+            yield f"  {layer.filled_mask}  {layer.name}: {first}"
+            yield from (f"    {line}" for line in more)
     surface = WAYS[report.way]
     if (fidelity := report.fidelity) is not None:
         yield (
@@ -80,6 +90,30 @@ def _covered(figures: LayerFigures) -> str:
         f"{figures.occupied_area:.4g} m2 occupied, {figures.simulator_area:.4g} m2 as a simulator draws it "
         f"({lost:.1%} lost{vanished}), {holes}"
     )
+
+
+def _filled(figures: FilledFigures) -> Iterator[str]:
+    """Say how much was filled, what is left open, and how far off the filled heights are."""
+    pixels = f"{counted(figures.pixels, 'pixel')} of {figures.area:.4g} m2"
+    said = f"{counted(figures.holes, 'hole')} filled, {pixels}"
+    still = f", {counted(figures.open, 'hole')} of {figures.open_area:.4g} m2 left open"
+    yield said + (still if figures.open else "")
+    if figures.pixels:
+        yield f"  off by {_estimated(figures.hidden)}"
+    if (truth := figures.truth) is not None:
+        none = f"; {truth.missing} pixels have none above or below" if truth.missing else ""
+        yield f"  from the true surface: {_off(truth.rmse, truth.median, truth.p95)}{none}"
+
+
+def _estimated(hidden: Hidden | None) -> str:
+    if hidden is None:
+        return "– (too little measured ground to hide patches like these holes in)"
+    figures = _off(hidden.rmse, hidden.median, hidden.p95)
+    return f"{figures}, estimated from {hidden.patches} hidden patches"
+
+
+def _off(rmse: float, median: float, p95: float) -> str:
+    return f"RMSE {rmse:.3g} m, median {median:.3g} m, 95 % within {p95:.3g} m"
 
 
 def _distances(distances: Distances, without: str) -> str:

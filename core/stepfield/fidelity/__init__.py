@@ -2,7 +2,9 @@
 
 from stepfield.fidelity.against import Comparison, compare, compare_result
 from stepfield.fidelity.figures import Distances, Fidelity
+from stepfield.fidelity.filled import FilledFigures, filled_figures, result_filled_figures, with_truth
 from stepfield.fidelity.gaps import Gaps, near_gaps
+from stepfield.fidelity.hidden import Hidden
 from stepfield.fidelity.holes import Holes, holes
 from stepfield.fidelity.layers import LayerFigures, layer_figures
 from stepfield.fidelity.measure import Measured, measure
@@ -15,7 +17,9 @@ __all__ = [
     "Comparison",
     "Distances",
     "Fidelity",
+    "FilledFigures",
     "Gaps",
+    "Hidden",
     "Holes",
     "LayerFigures",
     "Measured",
@@ -25,12 +29,15 @@ __all__ = [
     "against_truth",
     "compare",
     "compare_result",
+    "filled_figures",
     "holes",
     "layer_figures",
     "layers_of",
     "measure",
     "near_gaps",
     "result_against_truth",
+    "result_filled_figures",
     "surface_of",
     "true_mesh",
+    "with_truth",
 ]

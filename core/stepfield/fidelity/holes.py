@@ -14,18 +14,25 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Holes:
-    """The holes of a layer.
+    """The holes of a layer; arrays are read-only.
 
     Attributes
     ----------
     count : int
         Regions of empty compartments, joined over their sides, from which no way leads out of the grid.
     compartment : ndarray of shape (n,), int64
-        The compartments in them, ascending; read-only.
+        The compartments in them, ascending.
+    region : ndarray of shape (n,), int64
+        Which of the holes each is in, 0 to ``count`` - 1.
     """
 
     count: int
     compartment: Integers
+    region: Integers
+
+    def __post_init__(self) -> None:
+        for array in (self.compartment, self.region):
+            array.flags.writeable = False
 
 
 def holes(grid: Grid, compartment: Integers) -> Holes:
@@ -40,5 +47,5 @@ def holes(grid: Grid, compartment: Integers) -> Holes:
         outside[edge] = True
     outside[0] = True  # what is occupied
     inside = np.flatnonzero(~outside[regions].ravel())
-    inside.flags.writeable = False
-    return Holes(int(np.count_nonzero(~outside)), inside)
+    number = np.cumsum(~outside) - 1
+    return Holes(int(np.count_nonzero(~outside)), inside, number[regions.ravel()[inside]])

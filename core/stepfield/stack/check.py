@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from stepfield.errors import StackError
-from stepfield.fidelity import Fidelity, LayerFigures, TruthFidelity, Way
+from stepfield.fidelity import Fidelity, FilledFigures, LayerFigures, TruthFidelity, Way
 from stepfield.progress import Progress, part, silent
 from stepfield.stack.clearances import clearance_faults
 from stepfield.stack.compare import Compared
@@ -32,6 +32,8 @@ class Report:
         How the layers are reconstructed where they are compared.
     figures : tuple of LayerFigures
         What each layer covers; none when the stack is not whole.
+    filled : tuple of FilledFigures
+        What was filled in each layer; none when holes were not to be filled.
     fidelity : Fidelity or None
         When a scan was given.
     truth : TruthFidelity or None
@@ -42,6 +44,7 @@ class Report:
     manifest: Manifest
     way: Way = "edges"
     figures: tuple[LayerFigures, ...] = ()
+    filled: tuple[FilledFigures, ...] = ()
     fidelity: Fidelity | None = None
     truth: TruthFidelity | None = None
 
@@ -79,7 +82,7 @@ def check_stack(
     if faults:
         return Report(tuple(faults), stack.manifest)
     compared = Compared(stack)
-    report = Report((), stack.manifest, compared.way, compared.figures())
+    report = Report((), stack.manifest, compared.way, compared.figures(), compared.filled(truth))
     if scan:
         fidelity, more = compared.with_scan(scan, part(progress, 0.4, 0.8 if truth else 1))
         report = replace(report, faults=tuple(more), fidelity=fidelity)

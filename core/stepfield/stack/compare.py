@@ -9,16 +9,22 @@ import numpy as np
 
 from stepfield.fidelity import (
     Fidelity,
+    FilledFigures,
     LayerFigures,
+    Surface,
     TruthFidelity,
     against_truth,
     compare,
+    filled_figures,
     layer_figures,
     true_mesh,
+    with_truth,
 )
 from stepfield.fidelity.reconstructions import Bottoms, Layers, Way, chosen_way, meshes_of, surface_of
+from stepfield.filling import Filled
 from stepfield.progress import Progress, part
 from stepfield.scan import open_scan
+from stepfield.stack.entries import LayerEntry
 from stepfield.stack.read import Stack
 
 
@@ -39,6 +45,24 @@ class Compared:
     def figures(self) -> tuple[LayerFigures, ...]:
         """Tell what the layers cover."""
         return layer_figures(self._stack.grid, self._layers, self._link_step)
+
+    def filled(self, truth: str | None = None) -> tuple[FilledFigures, ...]:
+        """Tell what was filled and how far off that is likely to be; how far it is, where truth is known.
+
+        One a layer; nothing if holes were not to be filled.
+        """
+        stack, method = self._stack, self._stack.manifest.parameters.fill
+        if method == "none":
+            return ()
+        grid, filled = stack.grid, [_filled(stack, entry) for entry in stack.manifest.layers]
+        found = filled_figures(grid, self._layers, self._bottoms, filled, method, self._tolerance)
+        if truth is None:
+            return found
+        surface = Surface.of([true_mesh(truth)])
+        return tuple(
+            with_truth(figures, grid, each, surface, self._tolerance)
+            for figures, each in zip(found, filled, strict=True)
+        )
 
     def with_scan(self, files: Sequence[Path], progress: Progress) -> tuple[Fidelity, list[str]]:
         """Compare with the scan, cleaned as the manifest says; say what cannot be of one and the same."""
@@ -91,3 +115,12 @@ def _layers(stack: Stack) -> tuple[Layers, Bottoms]:
         if lower is not None:
             bottoms[entry.index] = lower.ravel()[compartment]
     return made, bottoms
+
+
+def _filled(stack: Stack, entry: LayerEntry) -> Filled:
+    """Return what was filled in a layer, in scan coordinates."""
+    if entry.filled_mask is None:
+        return Filled(np.zeros(0, np.int64), np.zeros(0))
+    both = stack.elevations(entry, filled=True).ravel()
+    compartment = np.flatnonzero(~np.isnan(both) & np.isnan(stack.elevations(entry).ravel()))
+    return Filled(compartment, both[compartment])
