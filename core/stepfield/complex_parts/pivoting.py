@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stepfield.progress import Progress, silent
+from stepfield.progress import Progress, part, silent
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -26,6 +26,8 @@ RADII = (1.0, 2.0, 4.0)
 NEIGHBOURS, AROUND = 30, 4.0
 #: Points that pass the direction on to each other, so that all look to the same side.
 ORIENTING = 12
+#: Share of the work that is left after each round.
+REST = 0.3
 #: Side of a tile, and what it sees beyond its edge, in that distance.
 TILE, OVERLAP = 256.0, 8.0
 #: Fewer points make no surface.
@@ -36,6 +38,9 @@ def pivoted(
     points: Floats, spacing: float, progress: Progress = silent, *, radii: Sequence[float] = RADII
 ) -> Integers:
     """Join points to triangles.
+
+    Open3D begins no new piece with a wider ball while that one still widens an old piece, so what is sparse
+    would be missed wherever something dense is: points that are left are joined again, by the wider balls.
 
     Every tile is meshed with what lies around it and keeps the triangles that touch its own points, so that
     neighbouring tiles overlap and no crack opens; a triangle that both have is kept once.
@@ -53,6 +58,18 @@ def pivoted(
     -------
     ndarray of shape (T, 3), int64
     """
+    found = np.zeros((0, 3), np.int64)
+    for number in range(len(radii)):
+        is_left = np.ones(len(points), bool)
+        is_left[found] = False
+        left = np.flatnonzero(is_left)
+        again = part(progress, 1 - REST**number, 1 - REST ** (number + 1))
+        found = np.concatenate([found, left[_joined(points[left], spacing, radii[number:], again)]])
+    return found
+
+
+def _joined(points: Floats, spacing: float, radii: Sequence[float], progress: Progress) -> Integers:
+    """Join points tile by tile."""
     tiles = list(_tiles(points, TILE * spacing, OVERLAP * spacing))
     found = [np.zeros((0, 3), np.int64)]
     for number, (near, own) in enumerate(tiles):
