@@ -17,6 +17,7 @@ from stepfield.complex_parts import ComplexParts, build, build_complex_parts, wi
 from stepfield.complex_parts.detection import detect, dilated, touching
 from stepfield.complex_parts.fitting import fitted
 from stepfield.complex_parts.job import Job
+from stepfield.complex_parts.pivoting import pivoted
 from stepfield.complex_parts.points import owned_points
 from stepfield.complex_parts.process import mesh_apart
 from stepfield.complex_parts.reducing import distances
@@ -115,6 +116,33 @@ def test_a_post_that_stands_alone_is_complex(result: Reconstruction) -> None:
     assert np.flatnonzero(detect(result, far)).tolist() == [wall[0]]
 
 
+def test_a_post_across_two_compartments_is_complex(result: Reconstruction) -> None:
+    """Else half of all thin posts and of sparse walls would be left to level squares."""
+    pair = neighbours_in_the_wall(result)[:2]
+    far = np.zeros(len(result.field))
+    far[pair] = 1.0
+    assert np.flatnonzero(detect(result, far)).tolist() == sorted(pair)
+
+
+def test_the_end_of_a_wall_is_left_to_the_overlap(result: Reconstruction) -> None:
+    """The mesh of the wall reaches over it anyway; with an overlap of its own it would reach beyond."""
+    row = neighbours_in_the_wall(result)[:4]
+    far = np.zeros(len(result.field))
+    far[row] = 1.0
+    found = detect(result, far)
+    assert np.flatnonzero(found).tolist() == sorted(row[1:3])
+    assert dilated(result, found)[row].all()
+
+
+def neighbours_in_the_wall(result: Reconstruction) -> list[int]:
+    """Pillars of the wall, one beside the other."""
+    wall = np.flatnonzero(detect(result, residuals(result)))
+    row, _ = result.field.compartments.grid.row_column(result.field.compartment[wall])
+    found = wall[np.argsort(row, kind="stable")]
+    assert (np.diff(np.sort(row)[:4]) == 1).all()
+    return [int(each) for each in found]
+
+
 def test_touching_pillars_are_side_by_side_and_at_one_height(result: Reconstruction) -> None:
     field, grid = result.field, result.field.compartments.grid
     chosen = np.flatnonzero(detect(result, residuals(result)))
@@ -200,6 +228,22 @@ def test_without_complex_parts_nothing_is_meshed(tmp_path: Path) -> None:
     parts = build_complex_parts(result)
     assert parts.count == 0
     assert not len(parts.mesh.triangles)
+
+
+def test_sparse_parts_are_meshed_beside_dense_ones() -> None:
+    """A wall far from the scanner has few points; that something near it has many is no reason to lose it."""
+    x, y = (each.ravel() for each in np.meshgrid(np.arange(30.0), np.arange(30.0)))
+    wavy = 0.1 * np.sin(x) + 0.1 * np.cos(2 * y)
+    dense = np.column_stack([x, y, wavy]) * 0.1
+    sparse = np.column_stack([2 * x, 60 + wavy, 2 * y]) * 0.1
+    points = np.concatenate([dense, sparse])
+    triangles = pivoted(points, 0.1)
+    reached = np.zeros(len(points), bool)
+    reached[triangles] = True
+    assert reached[: len(dense)].mean() > 0.95
+    assert reached[len(dense) :].mean() > 0.95
+    is_sparse = triangles >= len(dense)
+    assert (is_sparse.all(axis=1) == is_sparse.any(axis=1)).all()  # nothing spans the gap between them
 
 
 def test_a_stopped_build_ends_its_process(result: Reconstruction) -> None:

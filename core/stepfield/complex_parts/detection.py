@@ -16,7 +16,8 @@ Integers = NDArray[np.int64]
 FEWEST_POINTS = 4
 #: A complex pillar with fewer complex ones around it is a speck,
 FEWEST_AROUND = 2
-#: unless it is a post: none around it, and points that run upwards for more than so many compartments.
+#: unless it is a post, or one of two: its points run upwards for more than so many compartments, and none
+#: that is complex touches it. Where one does, as at the end of a wall, its mesh reaches over the speck.
 TALL = 1.0
 
 
@@ -37,10 +38,15 @@ def detect(result: Reconstruction, residual: Floats) -> Flags:
     far: Flags = np.nan_to_num(residual) > float(result.parameters.complex_residual)
     far &= field.points >= FEWEST_POINTS
     around = touching(result, np.flatnonzero(far))
-    number = np.bincount(around[far[around[:, 1]], 0], minlength=len(far))
-    is_post: Flags = (number == 0) & (field.high - field.low > TALL * field.compartments.grid.cell_size)
-    found: Flags = far & ((number >= FEWEST_AROUND) | is_post)
-    return found
+    together: Flags = far & (_number_around(around, far) >= FEWEST_AROUND)
+    is_tall: Flags = field.high - field.low > TALL * field.compartments.grid.cell_size
+    is_post: Flags = far & is_tall & (_number_around(around, together) == 0)
+    return together | is_post
+
+
+def _number_around(around: Integers, chosen: Flags) -> Integers:
+    """How many chosen pillars touch each one, from the pairs that touch."""
+    return np.bincount(around[chosen[around[:, 1]], 0], minlength=len(chosen))
 
 
 def dilated(result: Reconstruction, chosen: Flags) -> Flags:
