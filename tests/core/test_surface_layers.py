@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import product
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -129,16 +130,38 @@ def test_where_planes_cross_most_seams_of_the_papers_method_are_spared() -> None
     assert by_surface <= by_elevation / 4
 
 
+def fewest_seams(field: StepField, layering: Layering, step: float) -> int:
+    """Cut all pillars at once: that is exact, and slow where there are many."""
+    chosen = layering.layer >= 0
+    number = np.cumsum(chosen) - 1
+    links = number[link(field, chosen, step)]
+    compartment = field.compartment[chosen]
+    below = np.flatnonzero(compartment[1:] == compartment[:-1])
+    ties = Ties(links[:, 0], links[:, 1], np.ones(len(links), np.int64), below, below + 1)
+    start = lowest(len(compartment), ties.below, ties.above, layering.count)
+    exact = settled(ties, start, layering.count, (UP,))
+    return int(np.count_nonzero(exact[ties.one] != exact[ties.other]))
+
+
 @pytest.mark.parametrize("name", ["cylinder", "stairs"])
 def test_the_seams_are_the_fewest_there_can_be(name: str) -> None:
-    """Cutting all pillars at once is exact, and slow where there are many; the way by patches comes near."""
     field = scene(name, 0.1, 0.3)
-    links = link(field, np.ones(len(field), bool), 0.3)
     layering = classify(field, "surface", max_layers="none")
-    below = np.flatnonzero(field.compartment[1:] == field.compartment[:-1])
-    ties = Ties(links[:, 0], links[:, 1], np.ones(len(links), np.int64), below, below + 1)
-    exact = settled(ties, field.rank, layering.count, (UP,))
-    assert seams_of(field, layering) <= cost(ties, exact)
+    assert seams_of(field, layering) <= fewest_seams(field, layering, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("seed", "cell", "tolerance", "cap"),
+    [(0, 0.2, 0.5, "auto"), (0, 0.1, 0.3, "none"), (3, 0.1, 0.3, "none")],
+)
+def test_a_parking_ramp_is_cut_where_that_is_short(
+    seed: int, cell: float, tolerance: float, cap: Literal["auto", "none"]
+) -> None:
+    """No place of it is better than the shortest: held together, it was cut at twice the length."""
+    made = synthesise("ramp", noise=0.003, seed=seed)
+    field = build_pillars(sort_into_compartments(scan_of(made.points), cell), tolerance)
+    layering = classify(field, "surface", max_layers=cap)
+    assert seams_of(field, layering, tolerance) <= 1.2 * fewest_seams(field, layering, tolerance)
 
 
 def test_stray_points_under_a_floor_do_not_part_it() -> None:

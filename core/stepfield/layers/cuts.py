@@ -64,6 +64,10 @@ class Wishes:
         """Return the wishes of some nodes, or of the nodes that each of others belongs to."""
         return Wishes(self.layer[nodes], self.weight[nodes])
 
+    def without(self, nodes: Mask) -> Wishes:
+        """Return the wishes of all nodes but some."""
+        return Wishes(self.layer, np.where(nodes, 0, self.weight))
+
     def times(self, size: Integers) -> Wishes:
         """Return the same wishes, of nodes that stand for so many."""
         return Wishes(self.layer, self.weight * size)

@@ -4,12 +4,13 @@ The fewest seams alone would part level ground at a narrow place, and lift one h
 that a heap leads up to; or lift all of it for the sake of a few stray points beneath. So two wishes are
 weighed against seams. Every sheet, bound by gentle links only, has a layer by elevation: the one that the
 paper's classification (5.3.3) has for most of its pillars. And it has a layer of its own, where most of it
-is: what is elsewhere is parted from the rest, and weighs more.
+is: what is elsewhere is parted from the rest, and weighs more. A surface that winds over itself is no such
+sheet: it has to be cut, and no place of it is better than the one where that is cheapest.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from operator import attrgetter
 from typing import Self
@@ -27,8 +28,10 @@ Mask = NDArray[np.bool_]
 PARTED_A_SEAM = 16
 #: Pillars that may be out of the layer by elevation to spare a seam.
 AWAY_A_SEAM = 256
-#: Sheets of more than this part of all pillars are tried in either layer, whatever becomes of the others.
+#: Sheets of more than one in so many pillars are tried in either layer, whatever becomes of the others.
 LARGE = 16
+#: A surface is wound over itself if letting go of it spares seams, this share of them gentle links at least.
+SPARED_GENTLE = 0.75
 #: Times that sheets are settled and asked where most of them is: mostly one, seldom four.
 MOST_ROUNDS = 8
 
@@ -83,6 +86,7 @@ def whole(ties: Ties, gentle: Ties, layer: Integers, layers: int, size: Integers
     voted, heard = sheets.most(votes.node, votes.layer)
     by_elevation = Wishes(voted, (sheets.firm & heard).astype(np.int64))
     dear = Ties(ties.one, ties.other, ties.weight * AWAY_A_SEAM, ties.below, ties.above)
+    fewest = layer
     layer = settled(dear, layer, layers, wishes=(by_elevation.times(size),))
     drawn = partial(_drawn, dear, layer, sheets, by_elevation)
     here = sheets.own(layer)
@@ -96,6 +100,24 @@ def whole(ties: Ties, gentle: Ties, layer: Integers, layers: int, size: Integers
         other = np.where(sheets.number == large, np.where(own == here, there, here), own)
         if not np.array_equal(other, own):
             best = min(best, drawn(other), key=attrgetter("cost"))
+    return _unwound(dear, gentle, fewest, sheets, best)
+
+
+def _unwound(dear: Ties, gentle: Ties, fewest: Integers, sheets: Sheets, best: Found) -> Found:
+    """Let go of what winds over itself, first of its layer by elevation too, where that spares cutting it.
+
+    What leads from one sheet to another need not be wound: letting go of level ground that heaps join to
+    slabs spares links of the heaps, and cuts more of the ground's own.
+    """
+    for piece in sheets.cut(sheets.size.sum() / LARGE):
+        within = sheets.piece == piece
+        loose = replace(sheets, firm=sheets.firm & ~within)
+        for wishes in (best.by_elevation.without(within), best.by_elevation):
+            found = _drawn(dear, fewest, loose, wishes, best.own.layer)
+            spared, of_gentle = (cost(ties, best.layer) - cost(ties, found.layer) for ties in (dear, gentle))
+            if spared > 0 and of_gentle * AWAY_A_SEAM >= SPARED_GENTLE * spared:
+                best, sheets = found, loose
+                break
     return best
 
 
@@ -125,12 +147,15 @@ class Sheets:
     size : ndarray of shape (N,), int64
         Pillars of each node.
     layers : int
+    piece : ndarray of shape (N,), int64
+        What would be connected if none of the gentle links were cut.
     """
 
     number: Integers
     firm: Mask
     size: Integers
     layers: int
+    piece: Integers
 
     @classmethod
     def of(cls, gentle: Ties, size: Integers, layers: int) -> Self:
@@ -143,7 +168,7 @@ class Sheets:
         joined = layer[ties.one] == layer[ties.other]
         number = components(nodes, ties.one[joined], ties.other[joined])
         firm &= np.bincount(number, size)[number] >= FRAGMENT
-        return cls(number, firm, size, layers)
+        return cls(number, firm, size, layers, piece)
 
     def most(
         self, voters: Integers, votes: Integers, weight: Integers | None = None
@@ -169,6 +194,13 @@ class Sheets:
         """Return the numbers of the firm sheets of more pillars."""
         large: Integers = np.flatnonzero(np.bincount(self.number, self.size * self.firm) > pillars)
         return large
+
+    def cut(self, pillars: float) -> Integers:
+        """Return the numbers of the pieces of more pillars that are parted in several firm sheets."""
+        _, first = np.unique(self.number[self.firm], return_index=True)
+        sheets = np.bincount(self.piece[self.firm][first], minlength=len(self.size))
+        large = np.bincount(self.piece, self.size, len(self.size)) > pillars
+        return np.flatnonzero((sheets > 1) & large)
 
 
 def _among(ties: Ties, chosen: Mask) -> Ties:
