@@ -144,36 +144,55 @@ def _cheapest_set(
     gain = gain.astype(np.int64)
     for wish in wishes:
         gain += np.where((wish.layer - layer) * way > 0, wish.weight, -wish.weight)
-    kept = layer == (layers - 1 if way == UP else 0)
+    held = layer == (layers - 1 if way == UP else 0)
     if free is not None:
-        kept |= ~free
+        held |= ~free
     joined = layer[ties.one] == layer[ties.other]
+    links = ties.one[joined], ties.other[joined], ties.weight[joined]
     pushing = layer[ties.above] == layer[ties.below] + 1
     first, second = ties.below[pushing], ties.above[pushing]
     if way == DOWN:
         first, second = second, first
-    return _source_side(
-        np.where(kept, -NEVER, gain),
-        np.maximum(gain, 0),
-        (ties.one[joined], ties.other[joined], ties.weight[joined]),
-        (first, second),
-    )
+    while (stopped := held[second] & ~held[first]).any():
+        held[first[stopped]] = True
+    return _best_of(~held, gain, links, (first, second))
 
 
-def _source_side(
-    worth: Integers,
+def _best_of(
+    movable: Mask,
     gain: Integers,
     links: tuple[Integers, Integers, Integers],
     pushes: tuple[Integers, Integers],
+) -> Mask | None:
+    """Leave out what cannot move, which is mostly much: links to it are lost by whoever moves."""
+    one, other, cost = links
+    stays = movable[one] != movable[other]
+    leaving = np.where(movable[one], one, other)[stays]
+    gain = gain - np.bincount(leaving, cost[stays], len(gain)).astype(np.int64)
+    number = np.cumsum(movable) - 1
+    inside = movable[one] & movable[other]
+    pushed = movable[pushes[0]]
+    side = _source_side(
+        gain[movable],
+        (number[one[inside]], number[other[inside]], cost[inside]),
+        (number[pushes[0][pushed]], number[pushes[1][pushed]]),
+    )
+    if side is None:
+        return None
+    moving = movable.copy()
+    moving[movable] = side
+    return moving
+
+
+def _source_side(
+    gain: Integers, links: tuple[Integers, Integers, Integers], pushes: tuple[Integers, Integers]
 ) -> Mask | None:
     """Cut the nodes in two at the least cost; None if nothing is to be gained by it.
 
     Parameters
     ----------
-    worth : ndarray of shape (N,)
-        What moving a node costs, where negative.
     gain : ndarray of shape (N,)
-        What moving a node gains.
+        What moving a node gains; what it costs, where negative.
     links : tuple of ndarray
         Ends and costs of what is lost if only one of the two moves.
     pushes : tuple of ndarray
@@ -182,21 +201,21 @@ def _source_side(
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
-    nodes = len(worth)
+    nodes = len(gain)
     source, sink = nodes, nodes + 1
     (one, other, cost), (first, second) = links, pushes
-    eager, loath = np.flatnonzero(gain), np.flatnonzero(worth < 0)
+    eager, loath = np.flatnonzero(gain > 0), np.flatnonzero(gain < 0)
     if not len(eager):
         return None
     rows = np.concatenate([np.full(len(eager), source), loath, one, other, first])
     columns = np.concatenate([eager, np.full(len(loath), sink), other, one, second])
-    capacity = np.concatenate([gain[eager], -worth[loath], cost, cost, np.full(len(first), NEVER)])
+    capacity = np.concatenate([gain[eager], -gain[loath], cost, cost, np.full(len(first), NEVER)])
     network = csr_array(
         (capacity.astype(np.int32), (rows.astype(np.int32), columns.astype(np.int32))),
         shape=(nodes + 2, nodes + 2),
     )
     flow = maximum_flow(network, source, sink)
-    if flow.flow_value == gain.sum():
+    if flow.flow_value == gain[eager].sum():
         return None
     left = network - flow.flow
     left.data = (left.data > 0).astype(np.int8)

@@ -100,25 +100,50 @@ def whole(ties: Ties, gentle: Ties, layer: Integers, layers: int, size: Integers
         other = np.where(sheets.number == large, np.where(own == here, there, here), own)
         if not np.array_equal(other, own):
             best = min(best, drawn(other), key=attrgetter("cost"))
-    return _unwound(dear, gentle, fewest, sheets, best)
+    return _unwound(dear, gentle, sheets, best, fewest, layer)
 
 
-def _unwound(dear: Ties, gentle: Ties, fewest: Integers, sheets: Sheets, best: Found) -> Found:
+def _unwound(
+    dear: Ties, gentle: Ties, sheets: Sheets, best: Found, fewest: Integers, drawn: Integers
+) -> Found:
     """Let go of what winds over itself, first of its layer by elevation too, where that spares cutting it.
 
     What leads from one sheet to another need not be wound: letting go of level ground that heaps join to
     slabs spares links of the heaps, and cuts more of the ground's own.
+
+    Parameters
+    ----------
+    dear, gentle : Ties
+    sheets : Sheets
+    best : Found
+    fewest, drawn : ndarray of shape (N,), int64
+        Layers of the fewest seams, and of those drawn by elevation only.
     """
     for piece in sheets.cut(sheets.size.sum() / LARGE):
         within = sheets.piece == piece
+        if not _spares_gentle(dear, gentle, best.layer, drawn, within):
+            continue
         loose = replace(sheets, firm=sheets.firm & ~within)
         for wishes in (best.by_elevation.without(within), best.by_elevation):
             found = _drawn(dear, fewest, loose, wishes, best.own.layer)
-            spared, of_gentle = (cost(ties, best.layer) - cost(ties, found.layer) for ties in (dear, gentle))
-            if spared > 0 and of_gentle * AWAY_A_SEAM >= SPARED_GENTLE * spared:
+            if _spares_gentle(dear, gentle, best.layer, found.layer):
                 best, sheets = found, loose
                 break
     return best
+
+
+def _spares_gentle(
+    dear: Ties, gentle: Ties, before: Integers, after: Integers, within: Mask | None = None
+) -> bool:
+    """Whether other layers spare seams (that touch some nodes), for the most part gentle links."""
+    spared = []
+    for ties in (dear, gentle):
+        fewer = np.abs(before[ties.one] - before[ties.other]) - np.abs(after[ties.one] - after[ties.other])
+        if within is not None:
+            fewer = fewer * (within[ties.one] | within[ties.other])
+        spared.append(int((ties.weight * fewer).sum()))
+    seams, of_gentle = spared[0] / AWAY_A_SEAM, spared[1]
+    return seams > 0 and of_gentle >= SPARED_GENTLE * seams
 
 
 def _drawn(dear: Ties, layer: Integers, sheets: Sheets, by_elevation: Wishes, own: Integers) -> Found:
