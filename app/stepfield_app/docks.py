@@ -22,9 +22,12 @@ WIDE = 1400
 #: Map and profile share a place where there are fewer pixels for both.
 SIDE_BY_SIDE = 600
 #: Height of the figures of fidelity with their strip: all of them can be seen.
-FIDELITY_HEIGHT = 230
+FIDELITY_HEIGHT = 240
+#: Height of menu, tools, tabs, status and what parts the panels: of docks that are promised more than there
+#: is, each gets less.
+BARS_HEIGHT = 128
 #: Height of the panels below it at least.
-LEAST_HISTORY = 120
+LEAST_HISTORY = 104
 #: Side of the icon of the button that hides a panel.
 HIDE_SIZE = 14
 #: A side panel is never narrower: numbers would be cut.
@@ -83,9 +86,9 @@ def make(window: QMainWindow) -> Docks:
         elevations=_made(window, "Elevations", LEFT, (0, 120), is_plot=True),
         layers=_made(window, "Layers", RIGHT, (0, 142)),
         fidelity=_made(window, "Fidelity", RIGHT, (0, 72), keeps_title=True),
-        history=_made(window, "History", RIGHT, (0, 72)),
-        edits=_made(window, "Edits", RIGHT, (0, 105)),
-        suspects=_made(window, "Suspicious places", RIGHT, (0, 61)),
+        history=_made(window, "History", RIGHT, (0, 72), begins_as_tab=True),
+        edits=_made(window, "Edits", RIGHT, (0, 105), begins_as_tab=True),
+        suspects=_made(window, "Suspicious places", RIGHT, (0, 61), begins_as_tab=True),
         map=_made(window, "Map", BOTTOM, (380, 100), keeps_title=True, is_plot=True),
         profile=_made(window, "Profile", BOTTOM, (334, 100), keeps_title=True, is_plot=True),
     )
@@ -100,6 +103,7 @@ def _made(
     least: tuple[int, int],
     *,
     keeps_title: bool = False,
+    begins_as_tab: bool = False,
     is_plot: bool = False,
 ) -> QDockWidget:
     """Put a dock into a window; where a tab says the same its title is left out, unless it has controls."""
@@ -113,7 +117,9 @@ def _made(
     strip = _titled(dock, Strip(title))
     dock.setTitleBarWidget(strip)
     if not keeps_title:
-        _save_title(window, dock, strip, QWidget())
+        _save_title(window, dock, strip, none := QWidget())
+        if begins_as_tab:  # at once, or the room of its title would be taken from the panels above
+            dock.setTitleBarWidget(none)
     window.addDockWidget(area, dock)
     return dock
 
@@ -215,7 +221,8 @@ def arrange(window: QMainWindow, docks: Docks) -> None:
         [docks.parameters, docks.elevations], [int(height * 0.6), int(height * 0.4)], Qt.Orientation.Vertical
     )
     below = max(int(height * 0.3) - FIDELITY_HEIGHT // 2, LEAST_HISTORY)
-    shares = [height - FIDELITY_HEIGHT - below, FIDELITY_HEIGHT, below]
+    room = height - BARS_HEIGHT
+    shares = [room - FIDELITY_HEIGHT - below, FIDELITY_HEIGHT, below]
     window.resizeDocks([docks.layers, docks.fidelity, docks.history], shares, Qt.Orientation.Vertical)
 
 

@@ -62,6 +62,8 @@ UNASSIGNED_COLOUR = "#8a8f98"
 COMPLEX_COLOUR = "#b4e61e"
 #: Hatches walls on the map: in no ramp of heights, and not what a slope in shadow looks like.
 WALL_COLOUR = "#f03c32"
+#: Heights that nobody measured, on the map: far from every ramp of heights, whatever the light.
+FILLED_COLOUR = "#96e6ff"
 
 #: Outlines show on every colour and in both themes: light ones, of a selection or of a place that is pointed
 #: out, with something dark around them.
@@ -69,7 +71,7 @@ OUTLINES = {"selection": "#ffffff", "place": "#ff66f5"}
 HALO = "#101216"
 
 #: Colours of what is wrong with a layer, over its relief in gray.
-OVERLAYS = {"hole": "#ffb000"}
+OVERLAYS = {"hole": "#ffb000", "filled": "#4fb3ff"}
 
 
 def layer_colour(index: int) -> str:

@@ -12,7 +12,8 @@ from pytestqt.qtbot import QtBot
 from tests.app.scenes_made import table, table_result
 
 from stepfield.complex_parts import ComplexParts
-from stepfield.fidelity import compare_result
+from stepfield.fidelity import FilledFigures, Hidden, compare_result, result_filled_figures
+from stepfield.parameters import Parameters
 from stepfield.progress import silent
 from stepfield.surface import Mesh
 from stepfield_app.document import Document
@@ -47,8 +48,6 @@ class Compared:
         self.feed.changed.connect(self.seen.append)
 
     def open(self) -> None:
-        from stepfield.parameters import Parameters
-
         self.document.open([self.path], Parameters(cell_size=0.5, layer_tolerance=0.3))
         self.rest()
 
@@ -92,6 +91,39 @@ def test_figures_are_those_of_the_core(compared: Compared) -> None:
     assert compared.text("seams").startswith("0 of ")
     assert "surfaces vanish" in compared.panel.values["lost"].toolTip()
     assert "RMSE 0.0 mm, 100.0 %" in compared.panel.strip.detail  # type: ignore[attr-defined]
+
+
+def test_what_was_filled_is_there_only_when_holes_are_filled(compared: Compared) -> None:
+    floor = np.indices((40, 60)).reshape(2, -1).T * 0.5 + 0.25
+    column, row = (floor[:, axis] // 0.5 for axis in (0, 1))
+    points = np.column_stack([floor, np.random.default_rng(3).normal(0, 0.05, len(floor))])
+    np.save(compared.path, points[(column % 6 != 3) | (row % 8 != 4)])
+    compared.open()
+    rows = [compared.panel.values[name] for name in ("filled", "off")]
+    assert not any(row.isVisibleTo(compared.panel) for row in rows)
+    compared.document.set_parameters("Fill holes", fill="nearest")
+    compared.rest()
+    assert all(row.isVisibleTo(compared.panel) for row in rows)
+    assert compared.document.answer is not None
+    (figures,) = result_filled_figures(compared.document.answer.result)
+    assert figures.hidden is not None
+    assert compared.text("filled") == f"{figures.holes}, {area(figures.area)}"
+    assert compared.text("off") == f"≈ {distance(figures.hidden.rmse)}, {distance(figures.hidden.p95)}"
+    tip = rows[1].toolTip()
+    assert f"Estimated from {figures.hidden.patches} patches of measured ground" in tip
+    assert "Layer 1 ≈ " in tip
+    compared.document.set_parameters("Fill holes", fill="none")
+    compared.rest()
+    assert not any(row.isVisibleTo(compared.panel) for row in rows)
+
+
+def test_a_dash_stands_where_nothing_is_known_of_most_of_what_was_filled(tmp_path: Path) -> None:
+    facts = fidelity_facts(table_result(tmp_path), None, silent)
+    known = Hidden.of(8, np.array([0.1]), np.array([1.0]))
+    some, none = FilledFigures(9, 2.25, 1, 0, 0.0, known), FilledFigures(10, 2.5, 1, 1, 0.5, None)
+    assert replace(facts, filled=(some, none)).hidden is None
+    assert replace(facts, filled=(replace(some, pixels=11), none)).hidden is not None
+    assert replace(facts, filled=(some, none)).filled_holes == (2, 4.75)
 
 
 def test_new_parameters_bring_new_figures(compared: Compared) -> None:
@@ -184,7 +216,12 @@ def test_a_mesh_of_complex_parts_is_counted_in_and_out(compared: Compared) -> No
 
 @pytest.mark.parametrize(
     ("name", "mode"),
-    [("vertical rmse", "error"), ("nearest p95", "error"), *((mode, mode) for mode in OVERLAYS[1:])],
+    [
+        ("vertical rmse", "error"),
+        ("nearest p95", "error"),
+        ("off", "holes"),
+        *((mode, mode) for mode in OVERLAYS[1:]),
+    ],
 )
 def test_a_number_leads_to_where_it_comes_from(compared: Compared, name: str, mode: str) -> None:
     compared.open()

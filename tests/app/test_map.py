@@ -81,6 +81,15 @@ def test_row_0_is_drawn_north_west(view: MapView) -> None:
     assert colour_at(view, 84_603, 447_003) == QColor(0, 0, 255)
 
 
+def test_room_that_is_left_to_a_legend_has_one(view: MapView) -> None:
+    """In a low window it stayed empty."""
+    view.set_picture(picture())
+    view.resize(400, 240)
+    plot = view.plot.grab().toImage()
+    beside = [plot.pixelColor(x, y) for x in range(plot.width() - 60, plot.width()) for y in range(100)]
+    assert len({colour.name() for colour in beside}) > 10
+
+
 def test_a_metre_is_as_long_up_as_across(view: MapView) -> None:
     """Unequal scales would make square compartments oblong."""
     view.set_picture(picture())

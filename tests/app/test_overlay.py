@@ -19,6 +19,7 @@ from stepfield_app.scenes.units import scale_bar
 from stepfield_app.theme import DARK, LIGHT, Theme, rgb
 from stepfield_app.views import overlay
 from stepfield_app.views.overlay import Overlay, _ticks, small_font
+from stepfield_app.views.plot import LEAST_BESIDE
 
 SIZE = (480, 420)
 
@@ -150,6 +151,17 @@ def test_a_small_view_shows_no_legend(qtbot: QtBot) -> None:
     small.overlay.legend(Legend("Elevation", "m", ramp("height")))
     assert small.is_blank()
     small.painter.end()
+
+
+def test_a_legend_that_covers_nothing_needs_less_height(
+    qtbot: QtBot, texts: list[tuple[str, QRectF]]
+) -> None:
+    """If it failed, the map of a small window would not say what its colours mean."""
+    low = Painted((300, LEAST_BESIDE))
+    low.overlay.legend(Legend("Elevation", "m", ramp("height"), note="red: wall, cyan: filled"), LEAST_BESIDE)
+    assert [text for text, _ in texts[:2]] == ["red: wall", "cyan: filled"]
+    assert all(room.bottom() <= LEAST_BESIDE for _, room in texts)
+    low.painter.end()
 
 
 def test_a_flat_scan_has_one_height_in_its_legend(painted: Painted, texts: list[tuple[str, QRectF]]) -> None:

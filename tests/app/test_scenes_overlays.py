@@ -83,7 +83,24 @@ def test_holes_are_those_within_the_layer(tmp_path: Path) -> None:
     row, column = np.nonzero(~np.isnan(made.values))
     assert set(zip(row.tolist(), column.tolist(), strict=True)) == {(7, 12)}
     assert tuple(made.pixels[7, 12, :3]) == rgb(OVERLAYS["hole"])
-    assert made.names == ("hole",)
+    assert made.names[0] == "hole"
+    assert [name for _, name in made.legend.entries] == ["enclosed by the layer"]
+
+
+def test_holes_that_were_filled_are_told_from_those_left_open(tmp_path: Path) -> None:
+    """One of a compartment, and one of three in a row that is too long."""
+    points = table()
+    small = (np.abs(points[:, 0] - 6.25) < 0.25) & (np.abs(points[:, 1] - 2.25) < 0.25)
+    long = (np.abs(points[:, 0] - 6.25) < 0.75) & (np.abs(points[:, 1] - 4.25) < 0.25)
+    chosen = {"cell_size": 0.5, "layer_tolerance": 0.3, "fill": "linear", "fill_size": 0.5}
+    made = drawn(reconstruct(tmp_path, points[~small & ~long], **chosen), 0, "holes")
+    assert made.names == ("left open", "filled")
+    assert tuple(made.pixels[7, 12, :3]) == rgb(OVERLAYS["filled"])
+    assert [tuple(made.pixels[3, column, :3]) for column in (11, 12, 13)] == [rgb(OVERLAYS["hole"])] * 3
+    assert made.legend.entries == ((rgb(OVERLAYS["hole"]), "left open"), (rgb(OVERLAYS["filled"]), "filled"))
+    all_filled = drawn(reconstruct(tmp_path, points[~small], **chosen), 0, "holes")
+    assert [name for _, name in all_filled.legend.entries] == ["filled"]
+    assert tuple(all_filled.pixels[7, 12, :3]) == rgb(OVERLAYS["filled"])
 
 
 def test_seams_are_in_the_colour_of_the_other_layer(tmp_path: Path) -> None:

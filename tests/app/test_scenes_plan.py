@@ -10,13 +10,15 @@ import pytest
 from tests.app.scenes_made import UTM, reconstruct, table, table_result
 
 from stepfield.reconstruction import Reconstruction
+from stepfield_app.ramps import ramp
 from stepfield_app.scenes import histogram
 from stepfield_app.scenes.cloud import Cloud, cloud
 from stepfield_app.scenes.palette import layer_codes, layer_colours
-from stepfield_app.scenes.raster import Mode, elevations, hillshade, raster, thumbnails
+from stepfield_app.scenes.raster import AMBIENT, PALE, Mode, elevations, hillshade, raster, thumbnails
 from stepfield_app.scenes.readout import compartment_at, pillars_at
 from stepfield_app.scenes.section import Section, band
 from stepfield_app.scenes.section import section as section_of
+from stepfield_app.theme import FILLED_COLOUR, rgb
 
 Place = tuple[float, float]
 
@@ -51,7 +53,7 @@ def holed(folder: Path, **chosen: object) -> Reconstruction:
 
 @pytest.mark.parametrize("mode", ["gray", "colour", "hillshade"])
 @pytest.mark.parametrize("stride", [1, 2])
-def test_what_was_filled_is_paler_and_never_taken_for_measured(
+def test_what_was_filled_has_a_colour_and_is_never_taken_for_measured(
     tmp_path: Path, mode: Mode, stride: int
 ) -> None:
     if mode == "gray" and stride > 1:
@@ -61,12 +63,23 @@ def test_what_was_filled_is_paler_and_never_taken_for_measured(
     assert empty.sum() == 4 // stride**2
     assert (picture.pixels[:, :, 3] == 255).all()
     assert picture.legend is not None
+    assert picture.legend.note == ("incl. filled" if mode == "gray" else "cyan: filled")
     if mode != "gray":
         measured = picture.pixels[~empty][:, :3].max(axis=0)
         assert (picture.pixels[empty][:, :3] > measured).all()
-        assert picture.legend.note == "pale: filled"
     plain = raster(holed(tmp_path), 0, mode, stride=stride)
+    assert plain.legend is not None
+    assert plain.legend.note == ""
     assert (plain.pixels[:, :, 3] == 255).sum() == empty.size - empty.sum()
+
+
+def test_no_height_in_whatever_light_has_a_colour_of_what_was_filled() -> None:
+    """Else a filled summit would be taken for a measured one."""
+    heights = ramp("height").astype(float)
+    measured = np.concatenate([heights * light for light in np.linspace(AMBIENT, 1, 27)])
+    filled = heights * 0.92 * (1 - PALE) + np.array(rgb(FILLED_COLOUR)) * PALE
+    apart = np.linalg.norm(filled[:, np.newaxis] - measured, axis=2)
+    assert apart.min() > 40
 
 
 @pytest.mark.parametrize("mode", ["gray", "colour", "hillshade"])

@@ -8,12 +8,12 @@ from typing import Protocol
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
-from stepfield.fidelity import Distances
+from stepfield.fidelity import Distances, Hidden
 from stepfield_app.appearance import numbers_font
 from stepfield_app.controls import named
 from stepfield_app.panels.page import GRID, Page
 from stepfield_app.scenes.fidelity import FidelityFacts
-from stepfield_app.wording import area, counted, distance, grouped, share, short
+from stepfield_app.wording import UNKNOWN, area, counted, distance, grouped, share, short
 
 EMPTY = "Open a scan to see here how true its layers are: distances of its points, seams, holes."
 #: Rows of distances: name, text, explanation.
@@ -27,14 +27,29 @@ WAYS = (
     ("vertical", "up, down", "Straight up or down to the nearest layer"),
     ("nearest", "nearest", "To the nearest place of any layer, in whatever direction"),
 )
-#: Rows of counts: mode of the map, text, explanation.
+#: Rows of counts: name, mode of the map, text, explanation.
 COUNTS = (
-    ("seams", "Seams", "Neighbours that continue each other but lie in two layers, of all that do"),
-    ("holes", "Holes", "Regions of empty compartments that a layer encloses, and their area"),
-    ("gaps", "Close gaps", "Compartments with a vertical gap within a quarter of the tolerance of it"),
-    ("lost", "Not drawn", "Share of the area that a simulator with a vertex a pixel does not draw"),
-    ("clearance", "Least room", "The smallest clearance between a layer and what is above it"),
+    ("seams", "seams", "Seams", "Neighbours that continue each other but lie in two layers, of all that do"),
+    ("holes", "holes", "Holes", "Regions of empty compartments that a layer encloses, and their area"),
+    ("filled", "holes", "Filled", "Holes that were filled, and the area that has heights nobody measured"),
+    (
+        "off",
+        "holes",
+        "    RMSE, 95 %",
+        "How far filled heights are likely to be off, straight up or down: root of the mean square, and what "
+        "95 of 100 are within",
+    ),
+    (
+        "gaps",
+        "gaps",
+        "Close gaps",
+        "Compartments with a vertical gap within a quarter of the tolerance of it",
+    ),
+    ("lost", "lost", "Not drawn", "Share of the area that a simulator with a vertex a pixel does not draw"),
+    ("clearance", "clearance", "Least room", "The smallest clearance between a layer and what is above it"),
 )
+#: Those that are there only when holes are filled.
+FILLED = ("filled", "off")
 
 
 class Headline(Protocol):
@@ -61,6 +76,7 @@ class FidelityPanel(QWidget):
         super().__init__(parent)
         self.strip = strip
         self.values: dict[str, QPushButton] = {}
+        self._filled: list[QWidget] = []
         self._page = Page(self._content(), EMPTY)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -79,9 +95,12 @@ class FidelityPanel(QWidget):
             for column, (way, way_text, way_tip) in enumerate(WAYS, 1):
                 where = self._value(f"{way} {name}", "error", f"{text}, {way_text}", f"{tip}. {way_tip}")
                 grid.addWidget(where, row, column)
-        for row, (mode, text, tip) in enumerate(COUNTS, len(DISTANCES) + 1):
-            grid.addWidget(_label(text, tip), row, 0)
-            grid.addWidget(self._value(mode, mode, text, tip), row, 1, 1, 2)
+        for row, (name, mode, text, tip) in enumerate(COUNTS, len(DISTANCES) + 1):
+            label, value = _label(text, tip), self._value(name, mode, text, tip)
+            grid.addWidget(label, row, 0)
+            grid.addWidget(value, row, 1, 1, 2)
+            if name in FILLED:
+                self._filled += [label, value]
         grid.setColumnStretch(1, 1)
         grid.setColumnStretch(2, 1)
         grid.setRowStretch(grid.rowCount(), 1)
@@ -90,7 +109,7 @@ class FidelityPanel(QWidget):
 
     def _value(self, name: str, mode: str, text: str, tip: str) -> QPushButton:
         """Make a number that can be pressed."""
-        button = named(QPushButton(), text, f"{tip}. Press to see in the map where.")
+        button = named(QPushButton(), text.strip(), f"{tip}. Press to see in the map where.")
         button.setProperty("role", "figure")
         button.setFlat(True)
         button.setFont(numbers_font())
@@ -116,6 +135,10 @@ class FidelityPanel(QWidget):
             self._say(f"{way} p95", distance(distances.p95), more)
             self._say(f"{way} explained", share(distances.explained), more)
         self._show_counts(facts)
+        for widget in self._filled:
+            widget.setVisible(bool(facts.filled))
+        if facts.filled:
+            self._show_filled(facts)
 
     def _show_counts(self, facts: FidelityFacts) -> None:
         holes, hole_area = facts.holes
@@ -126,6 +149,13 @@ class FidelityPanel(QWidget):
         self._say("gaps", grouped(facts.gaps) if facts.gaps else "none")
         self._say("lost", share(facts.lost), gone)
         self._say("clearance", distance(facts.least_room))
+
+    def _show_filled(self, facts: FidelityFacts) -> None:
+        count, filled_area = facts.filled_holes
+        pixels, still = (sum(each) for each in zip(*((f.pixels, f.open) for f in facts.filled), strict=True))
+        more = f"{counted(pixels, 'pixel')}; {counted(still, 'hole')} left open, at least in part"
+        self._say("filled", f"{grouped(count)}, {area(filled_area)}" if pixels else "none", more)
+        self._say("off", _off(facts.hidden), _estimated(facts) if pixels else "")
 
     def set_pending(self, is_pending: bool) -> None:
         """Mark the figures as of older parameters."""
@@ -141,6 +171,25 @@ class FidelityPanel(QWidget):
             f"{button.whatsThis()}.{f' {more}.' if more else ''} Press to see in the map where."
         )
         button.setAccessibleDescription(text)
+
+
+def _off(hidden: Hidden | None) -> str:
+    return UNKNOWN if hidden is None else f"≈ {distance(hidden.rmse)}, {distance(hidden.p95)}"
+
+
+def _estimated(facts: FidelityFacts) -> str:
+    """Say what the error of filled heights is known from, and what it is in each layer."""
+    names = [
+        (layer.name, each)
+        for layer, each in zip(facts.result.layers, facts.filled, strict=True)
+        if each.pixels
+    ]
+    layers = "; ".join(f"{name} {_off(each.hidden)}" for name, each in names)
+    patches = sum(each.hidden.patches for _, each in names if each.hidden is not None)
+    return (
+        f"Estimated from {grouped(patches)} patches of measured ground, shaped like the holes, that were "
+        f"hidden and filled by the same method: {layers}. Where nothing is at all, it may be more"
+    )
 
 
 def _more(distances: Distances, points: int, of: int) -> str:

@@ -8,7 +8,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepfield.clearance import clearance
-from stepfield.fidelity import Comparison, LayerFigures, compare_result, layer_figures, layers_of, near_gaps
+from stepfield.fidelity import (
+    Comparison,
+    FilledFigures,
+    Hidden,
+    LayerFigures,
+    compare_result,
+    layer_figures,
+    layers_of,
+    near_gaps,
+    result_filled_figures,
+)
 from stepfield.progress import Progress
 from stepfield.reconstruction import Reconstruction
 from stepfield_app.scenes.arrays import frozen
@@ -31,6 +41,8 @@ class FidelityFacts:
         Compartments with a gap near the tolerance.
     least_room : float
         The smallest clearance, metres; infinite where no layer has another one above it.
+    filled : tuple of FilledFigures
+        One a layer; none when holes are not to be filled.
     meshed : Meshed or None
         The mesh that stood in for complex pillars when points were compared.
     """
@@ -42,12 +54,26 @@ class FidelityFacts:
     links: int
     gaps: int
     least_room: float
+    filled: tuple[FilledFigures, ...] = ()
     meshed: Meshed | None = None
 
     @property
     def holes(self) -> tuple[int, float]:
         """Number and area (square metres) of the holes of all layers."""
         return sum(each.holes for each in self.figures), sum(each.hole_area for each in self.figures)
+
+    @property
+    def filled_holes(self) -> tuple[int, float]:
+        """Number of holes that were filled, and area (square metres) of what was filled."""
+        return sum(each.holes for each in self.filled), sum(each.area for each in self.filled)
+
+    @property
+    def hidden(self) -> Hidden | None:
+        """How far off filled heights are likely to be; None if that is known of less than half of them."""
+        known = [each for each in self.filled if each.hidden is not None]
+        if 2 * sum(each.pixels for each in known) < sum(each.pixels for each in self.filled):
+            return None
+        return Hidden.joined([each.hidden for each in known if each.hidden is not None])
 
     @property
     def lost(self) -> float:
@@ -83,6 +109,7 @@ def fidelity_facts(
         links = beside.submit(lambda: (len(result.seams), len(result.links)))
         gaps = beside.submit(near_gaps, field.compartments, tolerance)
         room = beside.submit(clearance, field, result.layering.layer)
+        filled = beside.submit(result_filled_figures, result)
         if meshed is None:
             comparison = compare_result(result, most=most, progress=progress)
         else:
@@ -94,6 +121,7 @@ def fidelity_facts(
         *links.result(),
         gaps=len(gaps.result().gap),
         least_room=float(np.nanmin(room.result(), initial=np.inf)),
+        filled=filled.result(),
         meshed=meshed,
     )
 

@@ -131,11 +131,18 @@ def _seams(result: Reconstruction, layer: int, colours: Bytes) -> _Marks:
 
 
 def _holes(result: Reconstruction, layer: int) -> _Marks:
-    grid, pillars = result.field.compartments.grid, result.layers[layer].pillars
-    found = holes(grid, result.field.compartment[pillars])
-    text = "enclosed by the layer" if found.count else "none in this layer"
-    legend = Legend("Holes", entries=((rgb(OVERLAYS["hole"]), text),))
-    return _Marks(found.compartment, np.zeros(len(found.compartment)), legend, ("hole",))
+    """Holes, those that were filled in another colour."""
+    grid, own = result.field.compartments.grid, result.layers[layer]
+    found = holes(grid, result.field.compartment[own.pillars])
+    filled = np.isin(found.compartment, own.filled.compartment, assume_unique=True)
+    names = ("hole", "filled") if result.parameters.fill == "none" else ("left open", "filled")
+    texts = ("enclosed by the layer" if names[0] == "hole" else names[0], names[1])
+    there = [kind for kind in (0, 1) if (filled == kind).any()]
+    entries = tuple((rgb(OVERLAYS[("hole", "filled")[kind]]), texts[kind]) for kind in there)
+    none = ((rgb(OVERLAYS["hole"]), "none in this layer"),)
+    return _Marks(
+        found.compartment, filled.astype(np.float64), Legend("Holes", entries=entries or none), names
+    )
 
 
 def _gaps(result: Reconstruction, layer: int) -> _Marks:

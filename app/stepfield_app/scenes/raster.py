@@ -20,7 +20,7 @@ from stepfield_app.ramps import ramp
 from stepfield_app.scenes.arrays import frozen, robust_range, steps
 from stepfield_app.scenes.legend import Legend
 from stepfield_app.scenes.thinned import Pixels, filled, pixels
-from stepfield_app.theme import WALL_COLOUR, rgb
+from stepfield_app.theme import FILLED_COLOUR, WALL_COLOUR, rgb
 
 Bytes = NDArray[np.uint8]
 Singles = NDArray[np.float32]
@@ -32,8 +32,8 @@ Mode = Literal["gray", "colour", "hillshade"]
 LIGHT = (-0.5, 0.5, 0.7071)
 #: Every so manieth diagonal of a wall's pixels is hatched.
 HATCH = 2
-#: How much of white what was filled has.
-PALE = 0.55
+#: How much what was filled has of a colour that is far from all that heights have, lit or in shadow.
+PALE = 0.65
 #: Light that a slope facing away still has.
 AMBIENT = 0.35
 
@@ -73,7 +73,7 @@ def raster(
         -1 for the pillars in no layer, the highest of each compartment.
     mode : str
         ``gray``: as the exported image, without its padding. ``colour``: by height. ``hillshade``: the same
-        with light from the north-west. Walls among surfaces are hatched in both, filled holes are pale.
+        with light from the north-west. Walls among surfaces are hatched in both, filled holes cyan.
     span : tuple of float
         Elevations the ramp spans, scan coordinates; the layer's own by default.
     stride : int
@@ -85,24 +85,23 @@ def raster(
     surface = np.fmax(heights, _heights(result, holes)) if len(holes.compartment) else heights
     if mode == "gray":
         gray = _exported(result, layer, surface)
-        return Raster(
-            _opaque(np.repeat(gray[:, :, np.newaxis], 3, axis=2), surface), heights, _levels(result)
-        )
+        legend = _levels(result, "incl. filled" if len(holes.compartment) else "")
+        return Raster(_opaque(np.repeat(gray[:, :, np.newaxis], 3, axis=2), surface), heights, legend)
     low, high = span or robust_range(heights)
     colours = ramp("height")[steps(surface, low, high, 256)]
     if mode == "hillshade":
         shade = hillshade(surface, grid.cell_size)
         colours = np.rint(colours * shade[:, :, np.newaxis]).astype(np.uint8)
     notes = ["red: wall"] if _hatch(colours, result, layer, part) else []
-    notes += ["pale: filled"] if _pale(colours, holes) else []
-    legend = Legend("Elevation", "m", ramp("height"), low=low, high=high, note=", ".join(notes))
-    return Raster(_opaque(colours, surface), heights, legend if len(part.pillars) else None)
+    notes += ["cyan: filled"] if _pale(colours, holes) else []
+    of_heights = Legend("Elevation", "m", ramp("height"), low=low, high=high, note=", ".join(notes))
+    return Raster(_opaque(colours, surface), heights, of_heights if len(part.pillars) else None)
 
 
 def _pale(colours: Bytes, holes: Pixels) -> bool:
-    """Make what was filled paler than what was measured, in place; tell whether there is any."""
+    """Make what was filled cyan, as nothing measured is, in place; tell whether there is any."""
     row, column = holes.grid.row_column(holes.compartment)
-    pale = colours[row, column] * (1 - PALE) + 255 * PALE
+    pale = colours[row, column] * (1 - PALE) + np.array(rgb(FILLED_COLOUR)) * PALE
     colours[row, column] = np.rint(pale).astype(np.uint8)
     return bool(len(holes.compartment))
 
@@ -205,10 +204,10 @@ def _exported(result: Reconstruction, layer: int, heights: Singles) -> Bytes:
     return (gray >> 8).astype(np.uint8) if gray.dtype == np.uint16 else gray.astype(np.uint8)
 
 
-def _levels(result: Reconstruction) -> Legend:
+def _levels(result: Reconstruction, note: str) -> Legend:
     """Legend of the exported grays: from the base plane to white."""
     base = result.base_elevation
-    return Legend("Elevation", "m", ramp("intensity"), low=base, high=base + result.max_height)
+    return Legend("Elevation", "m", ramp("intensity"), low=base, high=base + result.max_height, note=note)
 
 
 def _opaque(colours: Bytes, heights: NDArray[np.floating]) -> Bytes:

@@ -42,9 +42,9 @@ class Overlay:
     area: QRectF
     theme: Theme
 
-    def legend(self, legend: Legend) -> None:
-        """Say what the colours mean, at the right edge."""
-        if self.area.width() < LEAST_WIDTH or self.area.height() < LEAST_HEIGHT:
+    def legend(self, legend: Legend, least_height: int = LEAST_HEIGHT) -> None:
+        """Say what the colours mean, at the right edge; where it covers nothing a lower view will do."""
+        if self.area.width() < LEAST_WIDTH or self.area.height() < least_height:
             return
         if legend.ramp is not None:
             self._ramp(legend)

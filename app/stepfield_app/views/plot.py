@@ -18,6 +18,8 @@ pg.setConfigOptions(imageAxisOrder="row-major", antialias=False)
 #: Width of a legend beside a plot, how much nearer to the edge it may come, and the least width of a plot
 #: that has one.
 LEGEND_ROOM, MARGIN_BESIDE, LEAST_FOR_LEGEND = 84, 8, 360
+#: Least height of a plot with a legend beside it: a ramp with two notes, which nothing lies under.
+LEAST_BESIDE = 140
 
 
 class Plot(Plane):
@@ -106,6 +108,6 @@ class Plot(Plane):
         overlay = Overlay(painter, area, self.theme)
         if self._legend_room:
             beside = area.adjusted(0, 0, self._legend_room + MARGIN_BESIDE, 0)
-            Overlay(painter, beside, self.theme).legend(self._legend)
+            Overlay(painter, beside, self.theme).legend(self._legend, LEAST_BESIDE)
         if self._lateness:
             overlay.note(UPDATING, self.theme.muted)

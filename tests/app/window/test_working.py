@@ -11,7 +11,7 @@ from PySide6.QtCore import QSettings, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
-from tests.app.window.whole import discarded, picture, sentences
+from tests.app.window.whole import Folder, discarded, open_in, picture, sentences
 
 from stepfield_app.appearance import Appearance
 from stepfield_app.main_window import MainWindow
@@ -154,3 +154,19 @@ def test_f_in_a_plot_fits_the_plot(opened: MainWindow) -> None:
     QTest.keyClick(opened.map.plot, Qt.Key.Key_F)
     assert not opened.map.plot.is_touched
     assert opened.trio.viewpoint.camera == camera
+
+
+def test_a_small_window_shows_every_figure(
+    qtbot: QtBot, appearance: Appearance, folder: Folder, tmp_path: Path
+) -> None:
+    """If it failed, the last figures would have to be scrolled to, and those of what was filled be cut."""
+    settings = Settings(QSettings(str(tmp_path / "settings.ini"), QSettings.Format.IniFormat))
+    window = MainWindow(appearance, settings, size=(1280, 720))
+    window.show()
+    open_in(window, qtbot, folder.table)
+    window.document.set_parameters("Fill holes", fill="linear")
+    qtbot.waitUntil(window.is_settled)
+    for name, value in window.fidelity.values.items():
+        assert value.visibleRegion().boundingRect() == value.rect(), f"{name} is cut"
+        assert value.sizeHint().width() <= value.width(), f"{name} is too wide"
+    discarded(window)
