@@ -73,7 +73,8 @@ RECONSTRUCTION = Described(
 FILL = Described(
     "fill",
     "Fill holes",
-    "Give holes of a layer a height that nobody measured; a mask of its own says where",
+    "Give holes of a layer a height that nobody measured; a mask of its own says where. Linear is seldom far "
+    "from the best; Fidelity says how far off the heights are likely to be",
 )
 FILL_SIZE = Described("fill_size", "Holes up to", "Longest side of the holes that are filled")
 BITS = Described("bits", "Bits", "Bits of a pixel of the height-maps (Eq. 2 is 8)")

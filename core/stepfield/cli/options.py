@@ -38,7 +38,11 @@ OPTIONS: dict[str, Any] = {
     "reconstruction": _option(
         "--reconstruction", "edges|simulator", "Surface of the targets' meshes. (default: edges)"
     ),
-    "fill": _option("--fill", "none|nearest|linear|inpaint", "How to fill holes of layers. (default: none)"),
+    "fill": _option(
+        "--fill",
+        "none|nearest|linear|inpaint",
+        "How to fill holes of layers; linear is seldom far from the best. (default: none)",
+    ),
     "fill_size": _option(
         "--fill-size", "M|auto", "Longest side of the holes that are filled. (default: 5 cells)"
     ),
