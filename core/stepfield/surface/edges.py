@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.grid import Grid
+from stepfield.surface.corners import NORTH_EAST, NORTH_WEST, SOUTH_EAST, SOUTH_WEST
 from stepfield.surface.mesh import Mesh
-from stepfield.surface.sheets import NORTH_EAST, NORTH_WEST, SOUTH_EAST, SOUTH_WEST, Sheet, sheets
+from stepfield.surface.sheets import Sheet, sheets
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

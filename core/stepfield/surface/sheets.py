@@ -1,9 +1,4 @@
-"""The corners of a layer's compartments: averages of the pillars that touch them and continue each other (6).
-
-At most four compartments meet at a corner of the grid, each with several pillars. Those that are linked
-around the corner are one continuous surface there and share its vertex, whichever layers they are in; all
-others have vertices of their own, so that a cliff stays a cliff.
-"""
+"""The surfaces of layers, over exactly the compartments of their pillars: corners, steps to be closed (6)."""
 
 from __future__ import annotations
 
@@ -14,13 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.grid import Grid
-from stepfield.links import linked
+from stepfield.surface.corners import (
+    NORTH_EAST,
+    NORTH_WEST,
+    SOUTH_EAST,
+    SOUTH_WEST,
+    Around,
+    elevations,
+    vertices,
+)
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-#: Corners of a compartment, counter-clockwise seen from above.
-NORTH_WEST, SOUTH_WEST, SOUTH_EAST, NORTH_EAST = range(4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,9 +70,9 @@ def sheets(grid: Grid, layers: Sequence[tuple[Integers, Floats]], link_step: flo
     compartment = np.concatenate([np.zeros(0, np.int64), *(each for each, _ in layers)])
     top = np.concatenate([np.zeros(0), *(each for _, each in layers)])
     order = _order(compartment, top)
-    around = _Around.of(grid, compartment[order], top[order], link_step)
-    vertex = _vertices(around)
-    corner = _averages(vertex, around.top)
+    around = Around.of(grid, compartment[order], top[order], link_step)
+    vertex = vertices(around)
+    corner = elevations(around, vertex)
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
     made, first = [], 0
@@ -98,78 +98,6 @@ def _order(compartment: Integers, top: Floats) -> Integers:
 
 
 @dataclass(frozen=True, eq=False)
-class _Around:
-    """Linked neighbours of pillars in order of compartment and elevation; the last place stands for none.
-
-    Attributes
-    ----------
-    columns : int
-    compartment : ndarray of shape (P,)
-    top : ndarray of shape (P,)
-    east, west, south, north : ndarray of shape (P + 1,)
-        Indices of pillars, P for none.
-    """
-
-    columns: int
-    compartment: Integers
-    top: Floats
-    east: Integers
-    west: Integers
-    south: Integers
-    north: Integers
-
-    @classmethod
-    def of(cls, grid: Grid, compartment: Integers, top: Floats, link_step: float) -> _Around:
-        none = len(top)
-        sides = []
-        for pairs in linked(grid, compartment, top - top.min(initial=np.inf), link_step):
-            there, back = np.full(none + 1, none), np.full(none + 1, none)
-            there[pairs[:, 0]], back[pairs[:, 1]] = pairs[:, 1], pairs[:, 0]
-            sides += [there, back]
-        return cls(grid.columns, compartment, top, *sides)
-
-    @property
-    def none(self) -> int:
-        """The index that stands for no pillar."""
-        return len(self.top)
-
-
-def _vertices(around: _Around) -> Integers:
-    """Number the vertices, shape (P, 4): around a corner, linked pillars have one and the same.
-
-    Going round the corner from its north-west compartment counter-clockwise, a pillar takes the number of
-    the one before it if they are linked. The link that closes the round joins what is left, unless the
-    surface winds upwards around the corner and would meet itself above or below.
-    """
-    size = around.none + 1
-    own = np.arange(4 * size).reshape(4, size)  # at the corner's NW, SW, SE, NE compartment
-    number = own.copy()
-    for place, before in ((1, around.north), (2, around.west), (3, around.south)):
-        number[place] = np.where(before < around.none, number[place - 1][before], own[place])
-    last = own[0]  # where the round ends that starts in each north-west pillar
-    for place, after in enumerate((around.south, around.east, around.north)):
-        pillar = after[np.where(last >= place * size, last - place * size, around.none)]
-        last = np.where(pillar < around.none, own[place + 1][pillar], last)
-    start = np.flatnonzero(around.east[:-1] < around.none)
-    joined = number[3][around.east[start]]
-    fits = joined // size > last[start] // size
-    merged = np.arange(4 * size)
-    merged[joined[fits]] = start[fits]
-    number = merged[number]
-    # The corner that a pillar has to its south-east is the one whose north-west compartment it is in.
-    return np.column_stack([number[place, :-1] for place in (2, 3, 0, 1)])
-
-
-def _averages(vertex: Integers, top: Floats) -> Floats:
-    """Average the pillars that share each vertex; return it for every corner, shape (P, 4), metres."""
-    lowest = top.min(initial=np.inf)
-    pillars = np.bincount(vertex.ravel())
-    total = np.bincount(vertex.ravel(), np.repeat(top - lowest, 4))
-    average: Floats = total[vertex] / pillars[vertex] + lowest if len(top) else vertex.astype(np.float64)
-    return average
-
-
-@dataclass(frozen=True, eq=False)
 class _Side:
     """A side between two compartments: the linked neighbours over it, and the corners at its ends.
 
@@ -192,7 +120,7 @@ class _Side:
     ends: tuple[int, int]
     beyond: tuple[int, int]
 
-    def steps(self, around: _Around, layer: Integers, vertex: Integers) -> Integers:
+    def steps(self, around: Around, layer: Integers, vertex: Integers) -> Integers:
         """Find neighbours of a layer whose surfaces part along the side; indices in it, shape (n, 2).
 
         The step stays open where a surface of other layers goes through it: a robot on that has to pass.
@@ -218,7 +146,7 @@ class _Side:
         is_there = compartment[found] == compartment[one] + self.step
         return np.column_stack([one[is_there], found[is_there]])
 
-    def _below(self, around: _Around, pillars: Integers, links: Integers) -> Integers:
+    def _below(self, around: Around, pillars: Integers, links: Integers) -> Integers:
         """Count the linked pillars beneath each of some in its compartment."""
         is_linked = links[:-1] < around.none
         before: Integers = np.cumsum(is_linked) - is_linked
@@ -227,7 +155,7 @@ class _Side:
         return below
 
 
-def _sides(around: _Around) -> tuple[_Side, _Side]:
+def _sides(around: Around) -> tuple[_Side, _Side]:
     columns = around.columns
     east, west = (NORTH_EAST, SOUTH_EAST), (NORTH_WEST, SOUTH_WEST)
     south, north = (SOUTH_EAST, SOUTH_WEST), (NORTH_EAST, NORTH_WEST)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.surface import Sheet
-from stepfield.surface.sheets import NORTH_EAST, NORTH_WEST, SOUTH_EAST, SOUTH_WEST
+from stepfield.surface.corners import NORTH_EAST, NORTH_WEST, SOUTH_EAST, SOUTH_WEST
 from stepfield.targets.terrain import Raster, Terrain
 from stepfield.targets.tiles import LEAST_GAP, SHARE, SLAB, SLAB_SHARE, Bounds, Flags, Tile, rectangles
 
