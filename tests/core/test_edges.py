@@ -160,7 +160,6 @@ def test_any_layers_are_covered_exactly_and_nothing_overhangs(scene: tuple[Grid,
         used = np.unique(mesh.triangles)
         assert len(used) == len(mesh.vertices), "a vertex without a triangle"
         if len(own):
-            assert mesh.vertices[:, 2].min() >= min(t.min() for _, t in layers if len(t))
             assert np.isin(tops, mesh.vertices[:, 2]).all(), "the middle of a compartment is its pillar's top"
         free_edges(mesh)
 
@@ -185,6 +184,98 @@ def test_linked_neighbours_share_the_corners_of_their_side(scene: tuple[Grid, La
         for i, j in zip(here, there, strict=True):
             if len(layers) == 1:
                 assert (vertex[one, i] == vertex[other, j]).all()
+
+
+@given(scenes())
+@settings(max_examples=150, deadline=None)
+def test_no_rim_is_further_from_its_pillars_than_half_the_link_step_a_side(
+    scene: tuple[Grid, Layers],
+) -> None:
+    grid, layers = scene
+    made = sheets(grid, layers, 0.3)
+    vertex, corner = (
+        np.concatenate([getattr(sheet, name) for sheet in made]) for name in ("vertex", "corner")
+    )
+    tops = np.repeat(np.concatenate([sheet.top for sheet in made]), 4)
+    _, number = np.unique(vertex, return_inverse=True)
+    sharing = np.bincount(number.ravel())
+    mean = np.bincount(number.ravel(), tops) / sharing
+    most = np.array([np.nan, 1, 1 / 2, 1 / 3, 0])[sharing] * 0.3
+    assert (
+        np.abs(corner - mean[number].reshape(corner.shape)) <= most[number].reshape(corner.shape) + 1e-9
+    ).all()
+
+
+@st.composite
+def outlines(draw: st.DrawFn) -> tuple[Grid, NDArray[np.bool_]]:
+    """Draw a ground plan, however indented, holed or parted, nowhere narrower than three compartments."""
+    columns, rows = draw(st.integers(3, 12)), draw(st.integers(3, 12))
+    place = st.tuples(st.integers(0, rows - 3), st.integers(0, columns - 3))
+    there = np.zeros((rows, columns), bool)
+    for row, column in draw(st.lists(place, min_size=1, max_size=12)):
+        there[row : row + 3, column : column + 3] = True
+    return Grid(10.0, 20.0, 0.5, columns, rows), there
+
+
+@given(outlines(), st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.data())
+@settings(max_examples=150, deadline=None)
+def test_a_tilted_plane_is_itself_to_its_very_rim_however_layers_share_it(
+    outline: tuple[Grid, NDArray[np.bool_]], east: float, north: float, data: st.DataObject
+) -> None:
+    grid, there = outline
+    compartment = np.flatnonzero(there)
+    second = np.array(
+        data.draw(st.lists(st.booleans(), min_size=len(compartment), max_size=len(compartment)))
+    )
+    tops = grid.centres(compartment) @ [east, north]
+    layers = [(compartment[own], tops[own]) for own in (~second, second)]
+    for mesh, (own, _) in zip(as_edges(grid, layers, 0.3), layers, strict=True):
+        assert mesh.vertices[:, 2] == pytest.approx(mesh.vertices[:, :2] @ [east, north], abs=1e-9)
+        assert mesh.plan_area == pytest.approx(len(own) * 0.25)
+        assert (normals(mesh)[:, 2] > 1e-12).all(), "a riser where the plane goes on"
+
+
+@given(scenes(), st.floats(-100, 100))
+@settings(max_examples=50, deadline=None)
+def test_level_ground_is_level_to_its_rim(scene: tuple[Grid, Layers], level: float) -> None:
+    grid, layers = scene
+    for mesh in as_edges(grid, [(own, np.full(len(own), level)) for own, _ in layers[:1]], 0.3):
+        assert set(mesh.vertices[:, 2]) <= {level}
+
+
+def ends(tops: list[float]) -> tuple[float, float]:
+    """Elevations of the west and the east end of a beam."""
+    grid = Grid(0, 0, 1.0, len(tops), 1)
+    (sheet,) = sheets(grid, [layer(dict(enumerate(tops)))], 0.3)
+    west, east = sheet.corner[0, [0, 1]], sheet.corner[-1, [2, 3]]
+    assert west[0] == west[1]
+    assert east[0] == east[1]
+    return float(west[0]), float(east[0])
+
+
+def test_a_slope_goes_on_to_its_end_by_the_gentler_of_its_last_two_links() -> None:
+    assert ends([0.0, 0.1, 0.3]) == pytest.approx((-0.05, 0.35))
+    assert ends([0.0, 0.1, 0.3, 0.35, 0.5]) == pytest.approx((-0.05, 0.525))
+
+
+def test_noise_and_steps_are_not_carried_on_to_a_rim() -> None:
+    assert ends([0.1, 0.0, 0.1, 0.0]) == (0.1, 0.0), "the last link is no slope where the one before it falls"
+    assert ends([0.0, 0.0, 0.2]) == (0.0, 0.2), "a step is no slope"
+    assert ends([0.0, 0.2, 0.2]) == (0.0, 0.2)
+
+
+def test_a_single_link_is_half_believed() -> None:
+    assert ends([0.0, 0.2]) == pytest.approx((-0.05, 0.25))
+
+
+def test_a_slope_goes_on_to_the_edge_of_a_cliff_and_what_lies_beneath_stays_as_it_is() -> None:
+    grid = Grid(0, 0, 1.0, 6, 3)
+    tops = np.tile([2.2, 2.1, 2.0, 0.0, 0.0, 0.0], 3)
+    (sheet,) = sheets(grid, [(np.arange(18), tops)], 0.3)
+    edge, foot = sheet.corner[2::6][:, [2, 3]], sheet.corner[3::6]
+    assert edge == pytest.approx(1.95)
+    assert (foot == 0).all()
+    assert len(sheet.east) == 3, "the cliff is closed"
 
 
 @given(scenes())

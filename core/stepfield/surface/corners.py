@@ -2,7 +2,8 @@
 
 At most four compartments meet at a corner of the grid, each with several pillars. Those that are linked
 around the corner are one continuous surface there and share its vertex, whichever layers they are in; all
-others have vertices of their own, so that a cliff stays a cliff.
+others have vertices of their own, so that a cliff stays a cliff. Where fewer than four share one, the surface
+ends, and goes on to its rim as it comes there.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ Integers = NDArray[np.int64]
 
 #: Corners of a compartment, counter-clockwise seen from above.
 NORTH_WEST, SOUTH_WEST, SOUTH_EAST, NORTH_EAST = range(4)
+#: Which of the sides west, east, south, north meet in each of them.
+_SIDES = (0, 3), (0, 2), (1, 2), (1, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,11 +90,43 @@ def vertices(around: Around) -> Integers:
 
 
 def elevations(around: Around, vertex: Integers) -> Floats:
-    """Average the pillars that share each vertex; return it for every corner, shape (P, 4), metres."""
+    """Average the pillars that share each vertex; return it for every corner, shape (P, 4), metres.
+
+    Where fewer than four do, they are not all around it: each counts as high as its slope is at the sides
+    that nothing continues.
+    """
     if not around.none:
         return np.zeros((0, 4))
     lowest = around.top.min()
+    height = around.top - lowest
     pillars = np.bincount(vertex.ravel())
-    total = np.bincount(vertex.ravel(), np.repeat(around.top - lowest, 4))
-    average: Floats = total[vertex] / pillars[vertex] + lowest
+    total = np.bincount(vertex.ravel(), np.repeat(height, 4))
+    sharing = pillars[vertex]
+    rises = _rises(around, height)
+    for corner, (one, other) in enumerate(_SIDES):
+        rim = np.flatnonzero(sharing[:, corner] < 4)
+        np.add.at(total, vertex[rim, corner], rises[one, rim] + rises[other, rim])
+    average: Floats = total[vertex] / sharing + lowest
     return average
+
+
+def _rises(around: Around, height: Floats) -> Floats:
+    """How far surfaces rise from the middles of pillars to their west, east, south and north sides, metres.
+
+    Shape (4, P); 0 where they go on beyond the side. The slope is that of the two links before the rim: the
+    gentler one, and level where they disagree, so that neither noise nor a step is carried on; half of that
+    of one link, which no other confirms. So no side is further up or down than half the link step.
+    """
+    padded = np.append(height, 0.0)
+    rises = np.zeros((4, around.none))
+    there = (around.west, around.east, around.south, around.north)
+    back = (around.east, around.west, around.north, around.south)
+    for rise, outwards, inwards in zip(rises, there, back, strict=True):
+        ends = np.flatnonzero((outwards[:-1] == around.none) & (inwards[:-1] < around.none))
+        one = inwards[ends]
+        two = inwards[one]
+        last, before = padded[ends] - padded[one], padded[one] - padded[two]
+        gentler = np.where(np.abs(before) < np.abs(last), before, last)
+        slope = np.where(last * before > 0, gentler, 0)
+        rise[ends] = np.where(two < around.none, slope, last / 2) / 2
+    return rises

@@ -112,8 +112,9 @@ def _about_surface(terrain: Terrain) -> list[str]:
     if terrain.reconstruction == "edges":
         return [
             "The formats hold the same surface: exactly the compartments of the pillars, four triangles each",
-            "around the pillar's top, their corners the average of the neighbours that continue each other;",
-            "steps within a layer are closed by upright triangles, holes are missing ones.",
+            "around the pillar's top, their corners the average of the neighbours that continue each other,",
+            "at a rim of where their slopes lead; steps within a layer are closed by upright triangles,",
+            "holes are missing ones.",
         ]
     return [
         "The formats hold the same surface: a vertex in the middle of every compartment, two triangles",
