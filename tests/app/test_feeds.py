@@ -630,6 +630,19 @@ def test_a_preview_does_not_claim_fewer_points(
     assert f"{len(table())} points" in texts(status[0])
 
 
+def test_a_filled_place_says_so_and_how_high_it_was_made(
+    bench: Bench, near: Path, status: tuple[Status, MapView]
+) -> None:
+    points = table()
+    hole = (np.abs(points[:, 0] - 6.25) < 0.25) & (np.abs(points[:, 1] - 2.25) < 0.25)
+    np.save(near, points[~hole])
+    bench.open(near, **PARAMETERS | {"fill": "nearest"})
+    status[1].plot.hovered.emit(6.3, 2.3)
+    said = texts(status[0])
+    assert "x 6.30  y 2.30  z 0.00 m" in said
+    assert any(text.endswith(": 1 filled") for text in said)
+
+
 def test_places_are_in_scan_coordinates(bench: Bench, far: Path, status: tuple[Status, MapView]) -> None:
     bench.open(far, **PARAMETERS)
     bench.trio.hovered.emit((3.3, 2.6, 1.0))

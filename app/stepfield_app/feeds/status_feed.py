@@ -7,7 +7,7 @@ from PySide6.QtCore import QElapsedTimer, QObject
 from stepfield_app.document import Document
 from stepfield_app.feeds.scene_feed import SceneFeed
 from stepfield_app.requests import Answer
-from stepfield_app.scenes.readout import compartment_at, pillars_at
+from stepfield_app.scenes.readout import compartment_at, filled_at, pillars_at
 from stepfield_app.views.map import MapView
 from stepfield_app.views.status import Status
 from stepfield_app.views.trio import Trio
@@ -64,8 +64,9 @@ class StatusFeed(QObject):
         answer = self._document.answer
         if answer is None:
             return
-        here = [each for each in pillars_at(answer.result, x, y) if each.layer == self._document.active_layer]
-        self._tell(x, y, here[0].elevation if here else None)
+        layer, filled = self._document.active_layer, filled_at(answer.result, x, y)
+        here = [each.elevation for each in pillars_at(answer.result, x, y) if each.layer == layer]
+        self._tell(x, y, here[0] if here else filled.get(layer))
 
     def _tell(self, x: float, y: float, z: float | None) -> None:
         self._status.show_position(x, y, z)
@@ -76,4 +77,5 @@ class StatusFeed(QObject):
         if place is not None:
             here = pillars_at(answer.result, x, y)
             walls = sum(each.is_vertical for each in here)
-            self._status.show_cell(*place, len(here) - walls, walls)
+            filled = len(filled_at(answer.result, x, y))
+            self._status.show_cell(*place, len(here) - walls, walls, filled)

@@ -59,6 +59,19 @@ def pillars_at(result: Reconstruction, x: float, y: float) -> tuple[PillarAt, ..
     return tuple(_row(result, pillar) for pillar in range(field.first[at], field.first[at + 1]))
 
 
+def filled_at(result: Reconstruction, x: float, y: float) -> dict[int, float]:
+    """Return the layers that were filled at a place in scan coordinates, and how high they were made."""
+    place, cells = compartment_at(result, x, y), result.field.compartments
+    if place is None:
+        return {}
+    number, found = place[0] * cells.grid.columns + place[1], {}
+    for layer in result.layers:
+        at = int(np.searchsorted(layer.filled.compartment, number))
+        if at < len(layer.filled.compartment) and layer.filled.compartment[at] == number:
+            found[layer.index] = float(layer.filled.elevation[at] + cells.lowest)
+    return found
+
+
 def _row(result: Reconstruction, pillar: int) -> PillarAt:
     field = result.field
     cells = field.compartments

@@ -43,11 +43,13 @@ class Status(QStatusBar):
         known = "" if z is None else f"  z {_metres(z, decimals)}"
         self._position.setText(f"x {_metres(x, decimals)}  y {_metres(y, decimals)}{known} m")
 
-    def show_cell(self, row: int, column: int, surfaces: int, walls: int = 0) -> None:
-        """Say which compartment the pointer is in and how many surfaces and walls it has."""
+    def show_cell(self, row: int, column: int, surfaces: int, walls: int = 0, filled: int = 0) -> None:
+        """Say which compartment the pointer is in, and how many surfaces, walls and filled places it has."""
         standing = counted(walls, "wall") if walls else ""
-        level = counted(surfaces, "surface") if surfaces or not walls else ""
-        self._cell.setText(f"cell {column}, {row}: {' + '.join(filter(None, (level, standing)))}")
+        level = counted(surfaces, "surface") if surfaces or not (walls or filled) else ""
+        unmeasured = f"{filled} filled" if filled else ""
+        parts = " + ".join(filter(None, (level, standing, unmeasured)))
+        self._cell.setText(f"cell {column}, {row}: {parts}")
 
     def show_selection(self, *wordings: str) -> None:
         """Say what is selected, in the longest of these wordings that there is room for."""
