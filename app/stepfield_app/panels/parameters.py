@@ -55,13 +55,13 @@ LINK_STEP = Described(
 )
 COMPLEX = Described(
     "complex_parts",
-    "Complex parts",
+    "Complex",
     "What becomes of what height-maps cannot hold, walls and rubble: a mesh of just that may stand in (7)",
     "x",
 )
 COMPLEX_RESIDUAL = Described(
     "complex_residual",
-    "Complex from",
+    "Mesh from",
     "A pillar whose points are further from the surface than this is complex",
 )
 RECONSTRUCTION = Described(

@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 from PySide6.QtCore import QSettings, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QLabel
 from pytestqt.qtbot import QtBot
 from tests.app.window.whole import Folder, discarded, open_in, picture, sentences
 
 from stepfield_app.appearance import Appearance
 from stepfield_app.main_window import MainWindow
+from stepfield_app.panels.rows import LABEL_WIDTH
 from stepfield_app.render.scene import CLOUD, PILLARS, VIEWS
 from stepfield_app.settings import Settings
 from stepfield_app.theme import DARK
@@ -169,4 +170,7 @@ def test_a_small_window_shows_every_figure(
     for name, value in window.fidelity.values.items():
         assert value.visibleRegion().boundingRect() == value.rect(), f"{name} is cut"
         assert value.sizeHint().width() <= value.width(), f"{name} is too wide"
+    for label in window.parameters.findChildren(QLabel):
+        if label.buddy() is not None:  # a name, and the room that is left to it beside the boxes
+            assert label.sizeHint().width() <= LABEL_WIDTH, f"{label.text()} is cut"
     discarded(window)
