@@ -1,16 +1,25 @@
-"""What fills the window after its first paint: makes everything and connects everything, piece by piece."""
+"""What fills the window: makes everything there is to work with and connects it, piece by piece."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
-from stepfield_app import commands, docks
-from stepfield_app.commands.filing import Filing
+from stepfield_app import docks
 from stepfield_app.document import Document
 from stepfield_app.editor import Editor
+from stepfield_app.feeds.complex_feed import ComplexFeed
+from stepfield_app.feeds.demo_feed import DemoFeed
 from stepfield_app.feeds.feeds import Feeds
+from stepfield_app.feeds.fidelity_feed import FidelityFeed
+from stepfield_app.feeds.lead import Lead
+from stepfield_app.feeds.plot_feed import PlotFeed
+from stepfield_app.feeds.recolour_feed import RecolourFeed
+from stepfield_app.feeds.scene_feed import SceneFeed
+from stepfield_app.feeds.selection_feed import SelectionFeed
+from stepfield_app.feeds.status_feed import StatusFeed
+from stepfield_app.feeds.stray_feed import StrayFeed
+from stepfield_app.feeds.suspect_feed import SuspectFeed
+from stepfield_app.frame import Frame
 from stepfield_app.panels.cleaning import CleaningPanel
 from stepfield_app.panels.fidelity import FidelityPanel
 from stepfield_app.panels.history import HistoryPanel
@@ -21,7 +30,7 @@ from stepfield_app.panels.parameters import ParametersPanel
 from stepfield_app.panels.suspects import SuspectsPanel
 from stepfield_app.render.client import RenderClient
 from stepfield_app.selection import Selection
-from stepfield_app.theme import COMPLEX_COLOUR
+from stepfield_app.theme import COMPLEX_COLOUR, Theme
 from stepfield_app.tools.crop import CropTool
 from stepfield_app.tools.select import SelectTools, Views
 from stepfield_app.views.histogram import HistogramView
@@ -30,136 +39,247 @@ from stepfield_app.views.marks import MarkBox, Marks
 from stepfield_app.views.profile import ProfileView
 from stepfield_app.views.strip import Strip
 from stepfield_app.views.trio import Trio
-
-if TYPE_CHECKING:
-    from stepfield_app.main_window import MainWindow
+from stepfield_app.wording import advice
 
 
-def furnish(window: MainWindow) -> Iterator[None]:
-    """Make all that a window lacks that was just painted; each piece takes less than an eye notices."""
-    with _as_painted(window):
-        _make_document(window)
+class Workbench:
+    """The document and all that shows and changes it: views, panels, feeds and tools.
+
+    Parameters
+    ----------
+    frame : Frame
+        Where they stand.
+
+    Attributes
+    ----------
+    frame : Frame
+    """
+
+    document: Document
+    selection: Selection
+    editor: Editor
+    client: RenderClient
+    trio: Trio
+    map: MapView
+    profile: ProfileView
+    histogram: HistogramView
+    marks: Marks
+    complex_marks: Marks
+    mark_box: MarkBox
+    parameters: ParametersPanel
+    cleaning: CleaningPanel
+    layers: LayersPanel
+    layer_editing: LayersEditing
+    fidelity: FidelityPanel
+    history: HistoryPanel
+    moves: MovesPanel
+    suspects: SuspectsPanel
+    feeds: Feeds
+    crop_tool: CropTool
+    select_tools: SelectTools
+
+    def __init__(self, frame: Frame) -> None:
+        self.frame = frame
+
+    # --- Making ---------------------------------------------------------------------------------------------
+
+    def fill(self) -> Iterator[None]:
+        """Make everything and put it into the frame; each piece takes less than an eye notices."""
+        self._make_document()
         yield
-        yield from _make_plots(window)
-        yield from _make_panels(window)
-        yield from _put_into_docks(window)
-        _make_feeds_and_tools(window)
+        yield from self._make_plots()
+        yield from self._make_panels()
+        yield from self._put_into_docks()
+        self._make_feeds()
+        self._make_tools()
         yield
-        window.filing = Filing(window, remembers=window.remembers)
-        window.actions_ = commands.make(window)
+        self._connect()
+
+    def _make_document(self) -> None:
+        frame = self.frame
+        self.client = RenderClient(frame)
+        frame.first_paint.then(self.client.start)  # takes seconds, and nobody has to wait
+        self.document = Document(parent=frame)
+        self.selection = Selection(self.document, frame)
+        self.editor = Editor(self.document, self.selection, frame)
+        self.trio = Trio(self.client)
+
+    def _make_plots(self) -> Iterator[None]:
+        self.map = MapView()
+        self.marks, self.mark_box = Marks(), MarkBox()
+        self.complex_marks = Marks(lambda _: (COMPLEX_COLOUR,))
+        for marks in (self.complex_marks, self.marks):
+            self.map.plot.addItem(marks, ignoreBounds=True)
+        self.map.strip.add(self.mark_box)
         yield
-        _connect(window)
-        window.dress(window.appearance.theme)
-        window.show_whether_open()
-
-
-@contextmanager
-def _as_painted(window: MainWindow) -> Iterator[None]:
-    """Leave a window on the screen as it is: all that is new comes into sight at once."""
-    window.setUpdatesEnabled(False)
-    try:
+        self.profile = ProfileView()
         yield
-    finally:
-        window.setUpdatesEnabled(True)
-
-
-# --- Making -------------------------------------------------------------------------------------------------
-
-
-def _make_document(window: MainWindow) -> None:
-    window.client = RenderClient(window)
-    window.first_paint.then(window.client.start)  # takes seconds, and nobody has to wait
-    window.document = Document(parent=window)
-    window.selection = Selection(window.document, window)
-    window.editor = Editor(window.document, window.selection, window)
-    window.trio = Trio(window.client)
-
-
-def _make_plots(window: MainWindow) -> Iterator[None]:
-    window.map = MapView()
-    window.marks, window.mark_box = Marks(), MarkBox()
-    window.complex_marks = Marks(lambda _: (COMPLEX_COLOUR,))
-    for marks in (window.complex_marks, window.marks):
-        window.map.plot.addItem(marks, ignoreBounds=True)
-    window.map.strip.add(window.mark_box)
-    yield
-    window.profile = ProfileView()
-    yield
-    window.histogram = HistogramView()
-    yield
-
-
-def _make_panels(window: MainWindow) -> Iterator[None]:
-    document = window.document
-    window.parameters = ParametersPanel(document)
-    yield
-    window.cleaning = CleaningPanel(document)
-    yield
-    window.layers, window.history = LayersPanel(document), HistoryPanel(document)
-    window.fidelity = FidelityPanel(Strip("Fidelity"))
-    window.layer_editing = LayersEditing(document, window.layers, window.editor)
-    yield
-    window.moves, window.suspects = MovesPanel(document, window.editor), SuspectsPanel()
-    yield
-
-
-def _put_into_docks(window: MainWindow) -> Iterator[None]:
-    for dock, panel in (
-        (window.docks.parameters, window.parameters),
-        (window.docks.cleaning, window.cleaning),
-        (window.docks.elevations, window.histogram),
-        (window.docks.layers, window.layers),
-        (window.docks.fidelity, window.fidelity),
-        (window.docks.history, window.history),
-        (window.docks.edits, window.moves),
-        (window.docks.suspects, window.suspects),
-        (window.docks.map, window.map),
-        (window.docks.profile, window.profile),
-    ):
-        docks.put(dock, panel)
+        self.histogram = HistogramView()
         yield
 
+    def _make_panels(self) -> Iterator[None]:
+        document = self.document
+        self.parameters = ParametersPanel(document)
+        yield
+        self.cleaning = CleaningPanel(document)
+        yield
+        self.layers, self.history = LayersPanel(document), HistoryPanel(document)
+        self.fidelity = FidelityPanel(Strip("Fidelity"))
+        self.layer_editing = LayersEditing(document, self.layers, self.editor)
+        yield
+        self.moves, self.suspects = MovesPanel(document, self.editor), SuspectsPanel()
+        yield
 
-def _make_feeds_and_tools(window: MainWindow) -> None:
-    window.feeds = feeds = Feeds(window)
-    window.crop_tool = CropTool(window.document, window.trio, feeds.scene)
-    views = Views(window.trio, window.map, window.profile, window.status)
-    window.select_tools = SelectTools(
-        window.document, window.selection, window.editor, views, feeds.scene, window.layers.visible_layers
-    )
-    window.centre.add(window.trio, window.select_tools.strip)
+    def _put_into_docks(self) -> Iterator[None]:
+        places = self.frame.docks
+        for dock, panel in (
+            (places.parameters, self.parameters),
+            (places.cleaning, self.cleaning),
+            (places.elevations, self.histogram),
+            (places.layers, self.layers),
+            (places.fidelity, self.fidelity),
+            (places.history, self.history),
+            (places.edits, self.moves),
+            (places.suspects, self.suspects),
+            (places.map, self.map),
+            (places.profile, self.profile),
+        ):
+            docks.put(dock, panel)
+            yield
 
+    def _make_feeds(self) -> None:
+        document, trio, client, map_view = self.document, self.trio, self.client, self.map
+        scene = SceneFeed(document, trio, client)
+        selection = SelectionFeed(document, self.selection, scene, client)
+        self.feeds = Feeds(
+            scene=scene,
+            recolour=RecolourFeed(document, trio, client, scene),
+            plot=PlotFeed(document, scene, map_view, self.profile, self.histogram, self.layers),
+            fidelity=FidelityFeed(document, self.fidelity, scene.is_drawn),
+            status=StatusFeed(document, self.frame.status, trio, map_view, scene),
+            stray=StrayFeed(document, self.cleaning, scene),
+            demo=DemoFeed(self.frame),
+            selection=selection,
+            complex=ComplexFeed(document, scene, map_view, self.complex_marks),
+            suspect=SuspectFeed(
+                document,
+                self.selection,
+                map_view,
+                self.marks,
+                self.mark_box,
+                self.suspects,
+                Lead(document, map_view, trio, scene, selection),
+                scene.is_drawn,
+            ),
+        )
 
-# --- Connecting ---------------------------------------------------------------------------------------------
+    def _make_tools(self) -> None:
+        scene = self.feeds.scene
+        self.crop_tool = CropTool(self.document, self.trio, scene)
+        views = Views(self.trio, self.map, self.profile, self.frame.status)
+        self.select_tools = SelectTools(
+            self.document, self.selection, self.editor, views, scene, self.layers.visible_layers
+        )
+        self.frame.centre.add(self.trio, self.select_tools.strip)
 
+    # --- Connecting -----------------------------------------------------------------------------------------
 
-def _connect(window: MainWindow) -> None:
-    document, feeds = window.document, window.feeds
-    document.failed.connect(window.tell)
-    document.opened.connect(window.note_opened)
-    document.answer_changed.connect(lambda _: window.show_whether_open())
-    for view in (window.trio, window.map, window.profile, window.histogram):
-        document.pending_changed.connect(view.set_pending)
-    window.profile.place_hovered.connect(lambda x, y: window.map.set_mark((x, y)))
-    window.profile.cursor_left.connect(lambda: window.map.set_mark(None))
-    for source in (*feeds, feeds.demo, window.selection, window.select_tools):
-        source.failed.connect(window.tell)
-    for says in (window.editor.told, feeds.suspect.told, feeds.complex.told):
-        says.connect(window.status.say)
-    document.undo_stack.indexChanged.connect(window.status.clearMessage)  # undone, perhaps
-    window.layers.visibility_changed.connect(window.show_layers)
-    window.fidelity.map_wanted.connect(window.show_map)
-    window.moves.places_shown.connect(feeds.selection.show_places)
-    window.cleaning.crop_tool_requested.connect(window.crop_tool.set_active)
-    window.cleaning.crop_tool_requested.connect(window.show_cleaning)
-    _connect_files(window)
-    window.appearance.changed.connect(window.dress)
+    def _connect(self) -> None:
+        document, feeds, frame = self.document, self.feeds, self.frame
+        for source in (document, *feeds, feeds.demo, self.selection, self.select_tools):
+            source.failed.connect(frame.tell)
+        document.opened.connect(self._note_opened)
+        for view in (self.trio, self.map, self.profile, self.histogram):
+            document.pending_changed.connect(view.set_pending)
+        self.profile.place_hovered.connect(lambda x, y: self.map.set_mark((x, y)))
+        self.profile.cursor_left.connect(lambda: self.map.set_mark(None))
+        feeds.fidelity.changed.connect(feeds.plot.set_facts)
+        feeds.complex.shown.connect(feeds.fidelity.set_meshed)
+        self.layers.visibility_changed.connect(self._show_layers)
+        self.fidelity.map_wanted.connect(self.show_map)
+        self.moves.places_shown.connect(feeds.selection.show_places)
+        self.cleaning.crop_tool_requested.connect(self.crop_tool.set_active)
+        self.cleaning.crop_tool_requested.connect(self._show_cleaning)
+        self._connect_status()
 
+    def _connect_status(self) -> None:
+        status, feeds = self.frame.status, self.feeds
+        for says in (self.editor.told, feeds.suspect.told, feeds.complex.told):
+            says.connect(status.say)
+        self.document.undo_stack.indexChanged.connect(status.clearMessage)  # undone, perhaps
+        for works in (feeds.demo, feeds.complex):
+            works.progressed.connect(status.show_progress)
+        feeds.complex.rested.connect(status.clear_progress)
 
-def _connect_files(window: MainWindow) -> None:
-    feeds = window.feeds
-    feeds.demo.progressed.connect(window.status.show_progress)
-    feeds.complex.progressed.connect(window.status.show_progress)
-    feeds.complex.rested.connect(window.status.clear_progress)
-    feeds.demo.made.connect(window.open_scans)
-    window.status.cancel_wanted.connect(window.cancel)
+    # --- Doing ----------------------------------------------------------------------------------------------
+
+    def show_map(self, mode: str) -> None:
+        """Show the map, drawn in one of its ways."""
+        self.raise_map()
+        self.map.set_mode(mode)
+
+    def raise_map(self) -> None:
+        """Bring the map to the front."""
+        dock = self.frame.docks.map
+        dock.show()
+        dock.raise_()
+
+    def cancel(self) -> None:
+        """Stop what is being made."""
+        self.feeds.cancel()
+        self.document.cancel()
+
+    def dress(self, theme: Theme) -> None:
+        """Put on the colours of a theme."""
+        for part in (
+            self.trio,
+            self.map,
+            self.profile,
+            self.histogram,
+            self.layers,
+            self.moves,
+            self.marks,
+            self.complex_marks,
+            self.mark_box,
+            self.crop_tool,
+            self.select_tools,
+        ):
+            part.set_theme(theme)
+        self.feeds.scene.set_theme(theme)
+
+    def is_settled(self) -> bool:
+        """Whether everything that was asked for is on the screen."""
+        document = self.document
+        if document.busy or document.pending or self.selection.busy:
+            return False
+        return all(part.is_idle for part in (self.editor, self.select_tools, self.feeds)) and self._is_drawn()
+
+    def _is_drawn(self) -> bool:
+        return self.document.answer is None or (
+            not self.trio.viewpoint.is_moving and self.client.is_at_rest()
+        )
+
+    def close(self) -> None:
+        """End every thread and the drawing process."""
+        for part in (self.feeds, self.select_tools, self.editor, self.selection, self.document, self.client):
+            part.close()
+
+    # --- Following ------------------------------------------------------------------------------------------
+
+    def _note_opened(self) -> None:
+        """Pass on what is strange about a scan that was just opened."""
+        self.frame.trouble = None
+        assert self.document.answer is not None
+        for warning in self.document.answer.result.scan.warnings:
+            self.frame.message_bar.tell("warning", advice(warning))
+
+    def _show_layers(self) -> None:
+        """Show the layers in the 3-D views that are to be seen."""
+        visible = self.layers.visible_layers()
+        self.feeds.scene.set_visible(visible)
+        self.feeds.selection.set_visible(visible)
+
+    def _show_cleaning(self, is_wanted: bool) -> None:
+        """Bring the numbers of the crop box to the front while it is worked on."""
+        if is_wanted and not self.frame.docks.cleaning.isHidden():
+            self.frame.docks.cleaning.raise_()

@@ -17,7 +17,8 @@ from pytestqt.qtbot import QtBot
 from stepfield_app.afterwards import Afterwards
 from stepfield_app.appearance import Appearance
 from stepfield_app.dropping import DropTarget
-from stepfield_app.main_window import USUAL_SIZE, MainWindow
+from stepfield_app.frame import USUAL_SIZE
+from stepfield_app.main_window import MainWindow
 from stepfield_app.panels.page import GRID
 from stepfield_app.settings import Settings
 

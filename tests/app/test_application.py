@@ -36,11 +36,11 @@ def remember(self, *words, **named):
     self.when_ready(listen)
 
 def listen():
-    made[0].document.opened.connect(lambda: QTimer.singleShot(0, act))
-    made[0].client.state_changed.connect(lambda state: state == "running" and tell())
+    made[0].bench.document.opened.connect(lambda: QTimer.singleShot(0, act))
+    made[0].bench.client.state_changed.connect(lambda state: state == "running" and tell())
 
 def tell():
-    print("running", made[0].client.process_id, flush=True)
+    print("running", made[0].bench.client.process_id, flush=True)
 
 def act():
     {act}
@@ -59,8 +59,8 @@ FAIL = """
         (message,) = made[0].message_bar.messages
         assert "nobody thought of this" in message.details, message
         assert "ZeroDivisionError" not in message.sentence, message
-        made[0].document.set_parameters("Alpha", alpha=0.9)
-        made[0].document.answer_changed.connect(lambda answer: done(answer))
+        made[0].bench.document.set_parameters("Alpha", alpha=0.9)
+        made[0].bench.document.answer_changed.connect(lambda answer: done(answer))
 
     def done(answer):
         print("alpha", answer.result.parameters.alpha, flush=True)
@@ -72,7 +72,7 @@ FAIL = """
 
 
 OPEN_A_DIALOG = """
-    QTimer.singleShot(0, made[0].actions_["export"].trigger)
+    QTimer.singleShot(0, made[0].commands["export"].trigger)
     application_ = QApplication.instance()
 
     def look():

@@ -51,7 +51,7 @@ def window(shared: MainWindow, qtbot: QtBot) -> Iterator[MainWindow]:
     yield shared
     for dialog in (*shared.findChildren(Question), *shared.findChildren(MissingScans)):
         dialog.reject()
-    shared.document.close_scan()
+    shared.bench.document.close_scan()
     qtbot.waitUntil(shared.is_settled)
     shared.message_bar.dismiss_all()
     shared.hide()
@@ -78,13 +78,13 @@ def opened(window: MainWindow, qtbot: QtBot, scan: Path) -> MainWindow:
 
 @pytest.fixture
 def edited(opened: MainWindow, qtbot: QtBot) -> MainWindow:
-    opened.document.set_parameters("Alpha", alpha=0.7)
+    opened.bench.document.set_parameters("Alpha", alpha=0.7)
     qtbot.waitUntil(opened.is_settled)
     return opened
 
 
 def open_in(window: MainWindow, qtbot: QtBot, file: Path) -> MainWindow:
-    with qtbot.waitSignal(window.document.opened):
+    with qtbot.waitSignal(window.bench.document.opened):
         window.open_scans([file], BASE)
     qtbot.waitUntil(window.is_settled)
     return window
@@ -113,7 +113,7 @@ def test_saving_by_keys_names_and_unmarks_the_window(
 ) -> None:
     assert (edited.windowTitle(), edited.isWindowModified()) == ("table.npy[*] – Stepfield", True)
     QTest.keyClick(edited, Qt.Key.Key_S, Qt.KeyboardModifier.ControlModifier)
-    qtbot.waitUntil(lambda: not edited.document.file.dirty)
+    qtbot.waitUntil(lambda: not edited.bench.document.file.dirty)
     assert (edited.windowTitle(), edited.isWindowModified()) == ("room.stepfield – Stepfield", False)
     assert edited.settings.recent[0] == (file,)
     other = file.with_name("other.stepfield")
@@ -128,32 +128,32 @@ def test_a_save_dialog_that_is_left_saves_nothing(
     edited: MainWindow, file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(filing, "ask_for_place", lambda parent, start: None)
-    edited.actions_["save"].trigger()
+    edited.commands["save"].trigger()
     assert edited.filing.is_idle
-    assert edited.document.file.dirty
+    assert edited.bench.document.file.dirty
     assert not file.exists()
 
 
 def test_a_project_opens_as_it_was_left(opened: MainWindow, qtbot: QtBot, scan: Path, file: Path) -> None:
     """If it failed, every morning would begin with finding the place again."""
-    document, trio = opened.document, opened.trio
+    document, trio = opened.bench.document, opened.bench.trio
     trio.arrange((PILLARS,))
     trio.viewpoint.look(trio.viewpoint.camera.orbited(40, 20).zoomed(2.0))
     camera, line = trio.viewpoint.camera, ProfileLine((UTM[0], UTM[1]), (UTM[0] + 3, UTM[1] + 2), 0.5)
-    opened.map.set_line(line)
-    opened.map.set_mode("gray")
+    opened.bench.map.set_line(line)
+    opened.bench.map.set_mode("gray")
     document.set_active_layer(1)
     opened.filing.save()
     qtbot.waitUntil(opened.is_settled)
     open_in(opened, qtbot, scan)
     trio.arrange(("cloud", "pillars", "reconstruction"))
-    opened.map.set_mode("hillshade")
+    opened.bench.map.set_mode("hillshade")
     assert document.active_layer == 0
     open_in(opened, qtbot, file)
     assert trio.shown == (PILLARS,)
     assert trio.viewpoint.camera.centre == pytest.approx(camera.centre, abs=1e-6)
     assert trio.viewpoint.camera.distance == camera.distance
-    assert (opened.map.line, opened.map.mode, opened.map.layer) == (line, "gray", 1)
+    assert (opened.bench.map.line, opened.bench.map.mode, opened.bench.map.layer) == (line, "gray", 1)
     assert document.active_layer == 1
     assert not document.file.dirty
     trio.arrange(("cloud", "pillars", "reconstruction"))
@@ -174,14 +174,14 @@ def test_a_project_opens_as_it_was_left(opened: MainWindow, qtbot: QtBot, scan: 
 def test_a_damaged_view_does_not_keep_a_project_from_opening(
     opened: MainWindow, qtbot: QtBot, file: Path, view: dict[str, object]
 ) -> None:
-    document = opened.document
+    document = opened.bench.document
     document.project.model_copy(update={"view": {}}).save(file)
     remembered = Remembered.read(view)
     assert remembered.camera is None
     project = document.project.model_copy(update={"view": view})
     with qtbot.waitSignal(document.opened):
         document.open_project(project)
-    assert opened.trio.shown
+    assert opened.bench.trio.shown
     assert -1 <= document.active_layer < 2
 
 
@@ -195,18 +195,18 @@ def test_closing_asks_and_cancel_stays(edited: MainWindow, qtbot: QtBot) -> None
     edited.close()
     answer(edited, "Cancel", qtbot)
     assert edited.isVisible()
-    assert edited.document.file.dirty
+    assert edited.bench.document.file.dirty
 
 
 def test_another_scan_is_opened_once_the_edits_are_saved(
     edited: MainWindow, qtbot: QtBot, scan: Path, file: Path
 ) -> None:
     edited.open_scans([scan], BASE)
-    with qtbot.waitSignal(edited.document.opened):
+    with qtbot.waitSignal(edited.bench.document.opened):
         answer(edited, "&Save", qtbot)
     assert Project.read(file).parameters.alpha == 0.7
-    assert edited.document.project.parameters.alpha == 0.5
-    assert edited.document.file.stored is None
+    assert edited.bench.document.project.parameters.alpha == 0.5
+    assert edited.bench.document.file.stored is None
 
 
 def test_edits_that_nobody_wants_go_only_when_the_next_scan_is_there(
@@ -215,9 +215,9 @@ def test_edits_that_nobody_wants_go_only_when_the_next_scan_is_there(
     edited.open_scans([scan.with_name("absent.npy")])
     answer(edited, "&Don't save", qtbot)
     qtbot.waitUntil(lambda: bool(sentences(edited)))
-    assert edited.document.file.dirty, "the scan could not be opened: the edits are still there to save"
+    assert edited.bench.document.file.dirty, "the scan could not be opened: the edits are still there to save"
     edited.open_scans([scan], BASE)
-    with qtbot.waitSignal(edited.document.opened):
+    with qtbot.waitSignal(edited.bench.document.opened):
         answer(edited, "&Don't save", qtbot)
 
 
@@ -230,16 +230,16 @@ def test_a_save_that_fails_opens_nothing(
     answer(edited, "&Save", qtbot)
     qtbot.waitUntil(lambda: any("cannot write" in sentence for sentence in sentences(edited)))
     qtbot.waitUntil(edited.is_settled)
-    assert edited.document.project.parameters.alpha == 0.7
+    assert edited.bench.document.project.parameters.alpha == 0.7
 
 
 def test_closing_the_scan_asks_too(edited: MainWindow, qtbot: QtBot) -> None:
-    edited.actions_["close"].trigger()
+    edited.commands["close"].trigger()
     answer(edited, "Cancel", qtbot)
-    assert edited.document.answer is not None
-    edited.actions_["close"].trigger()
+    assert edited.bench.document.answer is not None
+    edited.commands["close"].trigger()
     answer(edited, "&Don't save", qtbot)
-    assert edited.document.answer is None
+    assert edited.bench.document.answer is None
     assert edited.windowTitle() == "Stepfield"
 
 
@@ -250,7 +250,7 @@ def test_a_window_closes_after_what_it_was_saving(
     window = MainWindow(appearance, Settings(settings), size=(1280, 800))
     window.show()
     open_in(window, qtbot, scan)
-    window.document.set_parameters("Alpha", alpha=0.7)
+    window.bench.document.set_parameters("Alpha", alpha=0.7)
     window.close()
     assert window.isVisible()
     answer(window, "&Save", qtbot)
@@ -270,7 +270,7 @@ def test_the_work_of_another_window_is_asked_about(edited: MainWindow, qtbot: Qt
     theirs.save(file)
     qtbot.waitUntil(lambda: bool(sentences(edited)))
     assert sentences(edited)[0].startswith("room.stepfield was changed by another window")
-    edited.document.set_parameters("Alpha", alpha=0.9)
+    edited.bench.document.set_parameters("Alpha", alpha=0.9)
     edited.filing.save()
     qtbot.waitUntil(lambda: bool(edited.findChildren(Question)))
     answer(edited, "Cancel", qtbot)
@@ -278,7 +278,7 @@ def test_the_work_of_another_window_is_asked_about(edited: MainWindow, qtbot: Qt
     edited.filing.save()
     qtbot.waitUntil(lambda: bool(edited.findChildren(Question)))
     answer(edited, "&Overwrite", qtbot)
-    qtbot.waitUntil(lambda: not edited.document.file.dirty)
+    qtbot.waitUntil(lambda: not edited.bench.document.file.dirty)
     assert Project.read(file).parameters.alpha == 0.9
 
 
@@ -297,9 +297,9 @@ def test_a_missing_scan_is_asked_for_in_a_dialog(
     assert any(str(scan) in label.text() for label in dialog.findChildren(QLabel))
     assert all(button.toolTip() for button in dialog.findChildren(QPushButton))
     dialog.place(scan, there)
-    with qtbot.waitSignal(opened.document.opened):
+    with qtbot.waitSignal(opened.bench.document.opened):
         dialog.open_button.click()
-    assert opened.document.scans == (there,)
+    assert opened.bench.document.scans == (there,)
     assert opened.isWindowModified()
 
 

@@ -49,22 +49,22 @@ sys.exit(application.run([Path(name) for name in sys.argv[1:]]))
 EDIT = """
 def begin(window):
     window.filing.recovery.kept.connect(lambda: say("kept"))
-    window.document.opened.connect(lambda: QTimer.singleShot(0, edit))
+    window.bench.document.opened.connect(lambda: QTimer.singleShot(0, edit))
 
 def edit():
-    made[0].document.set_parameters("Alpha", alpha=0.7)
-    made[0].document.set_style("Name", 0, name="Floor")
+    made[0].bench.document.set_parameters("Alpha", alpha=0.7)
+    made[0].bench.document.set_style("Name", 0, name="Floor")
 """
 
 #: Edits again after that, and stops in the middle of keeping it.
 STOP_WHILE_WRITING = """
 def begin(window):
     window.filing.recovery.kept.connect(again)
-    window.document.opened.connect(lambda: QTimer.singleShot(0, edit))
+    window.bench.document.opened.connect(lambda: QTimer.singleShot(0, edit))
 
 def edit():
-    made[0].document.set_parameters("Alpha", alpha=0.7)
-    made[0].document.set_style("Name", 0, name="Floor")
+    made[0].bench.document.set_parameters("Alpha", alpha=0.7)
+    made[0].bench.document.set_style("Name", 0, name="Floor")
 
 def again():
     def stop(one, other):
@@ -72,14 +72,14 @@ def again():
         time.sleep(60)
 
     os.{function} = stop
-    made[0].document.set_parameters("Alpha", alpha=0.9)
+    made[0].bench.document.set_parameters("Alpha", alpha=0.9)
 """
 
 #: Recovers what is offered, saves it and leaves.
 RECOVER = """
 def begin(window):
     window.filing.recovery.found.connect(lambda draft: QTimer.singleShot(0, recover))
-    window.document.opened.connect(lambda: QTimer.singleShot(0, look))
+    window.bench.document.opened.connect(lambda: QTimer.singleShot(0, look))
 
 def recover():
     (message,) = made[0].message_bar.messages
@@ -87,13 +87,13 @@ def recover():
     message.choices[0].do()
 
 def look():
-    document = made[0].document
+    document = made[0].bench.document
     say("alpha", document.project.parameters.alpha, document.style(0).name, document.file.dirty)
     say("title", made[0].windowTitle(), made[0].isWindowModified())
     made[0].filing.save(then=leave)
 
 def leave():
-    say("dirty", made[0].document.file.dirty)
+    say("dirty", made[0].bench.document.file.dirty)
     made[0].close()
 """
 

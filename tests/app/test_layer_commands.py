@@ -27,16 +27,21 @@ class Dressed:
     theme = DARK
 
 
-class Window(QMainWindow):
-    """What of the window the menu needs."""
+class Frame(QMainWindow):
+    """What of the window's frame the menu needs."""
+
+    appearance = Dressed()
+
+
+class Bench:
+    """What of all there is to work with the menu needs."""
 
     def __init__(self, desk: Desk) -> None:
-        super().__init__()
+        self.frame = Frame()
         self.document, self.editor, self.selection = desk.document, desk.editor, desk.selection
         self.layers = LayersPanel(desk.document)
         self.layer_editing = LayersEditing(desk.document, self.layers, desk.editor)
-        self.appearance = Dressed()
-        self.setCentralWidget(self.layers)
+        self.frame.setCentralWidget(self.layers)
 
 
 @pytest.fixture
@@ -48,10 +53,10 @@ def desk(qtbot: QtBot) -> Iterator[Desk]:
 
 @pytest.fixture
 def actions(qtbot: QtBot, desk: Desk, tmp_path: Path) -> Actions:
-    window: Any = Window(desk)
-    qtbot.addWidget(window)
-    made = Actions(window)
-    layers.make(made, window)
+    bench: Any = Bench(desk)
+    qtbot.addWidget(bench.frame)
+    made = Actions(bench.frame)
+    layers.make(made, bench)
     layers.fill(made)
     desk.open(tmp_path)
     made.enable(True)
@@ -87,7 +92,7 @@ def test_the_digit_of_a_layer_that_is_not_there_says_so(desk: Desk, actions: Act
     """A key that does nothing looks broken."""
     told: list[str] = []
     desk.editor.told.connect(told.append)
-    (window,) = (each for each in QApplication.topLevelWidgets() if isinstance(each, Window))
+    (window,) = (each for each in QApplication.topLevelWidgets() if isinstance(each, Frame))
     keys = {shortcut.key().toString(): shortcut for shortcut in window.findChildren(QShortcut)}
     assert [key for key in sorted(keys) if keys[key].isEnabled()] == ["4", "5", "6", "7", "8", "9"]
     keys["7"].activated.emit()

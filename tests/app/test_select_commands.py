@@ -33,20 +33,17 @@ def actions(qtbot: QtBot, desk: Desk) -> Actions:
     window = QMainWindow()
     qtbot.addWidget(window)
     crop = CropTool(desk.document, desk.trio, desk.scene_feed)
-    parts: dict[str, Any] = {
-        "document": desk.document,
-        "selection": desk.selection,
-        "select_tools": desk.tools,
-        "map": desk.map,
-        "docks": SimpleNamespace(map=desk.map),
-    }
-    for name, part in parts.items():
-        setattr(window, name, part)
+    bench: Any = SimpleNamespace(
+        document=desk.document,
+        selection=desk.selection,
+        select_tools=desk.tools,
+        map=desk.map,
+        raise_map=desk.map.show,
+    )
     actions = Actions(window)
-    window.actions_ = actions  # type: ignore[attr-defined]
     actions.make("crop", "Crop", crop.set_active, checkable=True)
     actions.make("profile line", "Line", desk.map.set_drawing, checkable=True)
-    select.make(actions, window)  # type: ignore[arg-type]
+    select.make(actions, bench)
     actions.enable(True)
     return actions
 

@@ -74,4 +74,4 @@ def is_past(moment: float) -> bool:
 
 def settled(window: MainWindow) -> bool:
     """Whether the scan is open and everything is drawn."""
-    return window.is_ready and window.document.answer is not None and window.is_settled()
+    return window.is_ready and window.bench.document.answer is not None and window.is_settled()

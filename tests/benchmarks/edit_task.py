@@ -23,18 +23,18 @@ PAUSE = 1.0
 def edit(window: MainWindow, report: Report, clock: Clock) -> Iterator[Wait]:
     """Note how long each deed takes to map and panel, to the 3-D views, and to all of them in full."""
     yield partial(settled, window)
-    window.selection.set_reach("layer")
-    window.document.set_active_layer(2)
+    window.bench.selection.set_reach("layer")
+    window.bench.document.set_active_layer(2)
     yield partial(settled, window)
-    stack = window.document.undo_stack
+    stack = window.bench.document.undo_stack
     for nth in range(TIMES):
         yield from _timed(window, report, clock, "select", partial(_lasso, window, nth), _is_outlined)
-        report["selected"] = window.selection.count
-        yield from _timed(window, report, clock, "move", partial(window.editor.move_to, TARGET))
+        report["selected"] = window.bench.selection.count
+        yield from _timed(window, report, clock, "move", partial(window.bench.editor.move_to, TARGET))
         yield from _timed(window, report, clock, "undo", stack.undo)
         yield from _timed(window, report, clock, "redo", stack.redo)
         stack.undo()
-        window.selection.clear()
+        window.bench.selection.clear()
         yield partial(settled, window)
 
 
@@ -56,10 +56,10 @@ def _timed(
     yield lambda: True  # it is painted before the next tick
     found["shown"].append(time.perf_counter() - begin)
     answered.end()
-    yield lambda: window.feeds.recolour.is_current
+    yield lambda: window.bench.feeds.recolour.is_current
     yield lambda: True
     found["seen"].append(time.perf_counter() - begin)
-    yield lambda: window.feeds.scene.is_idle and window.client.is_at_rest()
+    yield lambda: window.bench.feeds.scene.is_idle and window.bench.client.is_at_rest()
     found["drawn"].append(time.perf_counter() - begin)
     yield partial(settled, window)
     found["gaps"] += np.diff(clock.ticks).tolist()
@@ -91,7 +91,7 @@ class Answered:
 
 def _lasso(window: MainWindow, nth: int = 0) -> None:
     """Draw around about the pillars wanted, in the middle of the map or ``nth`` compartments beside it."""
-    answer = window.document.answer
+    answer = window.bench.document.answer
     assert answer is not None
     grid = answer.result.field.compartments.grid
     middle = np.array(
@@ -100,8 +100,12 @@ def _lasso(window: MainWindow, nth: int = 0) -> None:
     angle = np.linspace(0, 2 * np.pi, CORNERS)
     radius = np.sqrt(CAUGHT * grid.cell_size**2 / np.pi)
     path = middle + nth * grid.cell_size + radius * np.column_stack([np.cos(angle), np.sin(angle)])
-    window.selection.pick(OnMap(Shape("lasso", path), window.document.active_layer))
+    window.bench.selection.pick(OnMap(Shape("lasso", path), window.bench.document.active_layer))
 
 
 def _is_outlined(window: MainWindow) -> bool:
-    return window.selection.count > 0 and not window.selection.busy and window.select_tools.is_idle
+    return (
+        window.bench.selection.count > 0
+        and not window.bench.selection.busy
+        and window.bench.select_tools.is_idle
+    )

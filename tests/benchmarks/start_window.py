@@ -38,7 +38,7 @@ def watch(window: Any, report: dict[str, Any]) -> None:
     looking = QTimer(window, interval=LOOK)
 
     def look() -> None:
-        if window.is_ready and window.document.answer is not None and window.is_settled():
+        if window.is_ready and window.bench.document.answer is not None and window.is_settled():
             looking.stop()
             report["drawn"] = age()
             window.filing.close_without()

@@ -51,7 +51,7 @@ def tune(window: MainWindow, report: Report, clock: Clock) -> Iterator[Wait]:
     for name in os.environ.get("SLIDERS", " ".join(SLIDERS)).split():
         report[name] = {}
         yield from drag(window, name, report[name], clock)
-        window.document.undo_stack.undo()
+        window.bench.document.undo_stack.undo()
         yield partial(settled, window)
     report["core"] = core_seconds(window)
 
@@ -62,7 +62,7 @@ def orbit(window: MainWindow, report: Report, clock: Clock) -> Iterator[Wait]:
     for dock in window.docks.all:
         dock.hide()
     for views in ((CLOUD,), VIEWS):
-        window.trio.arrange(views)
+        window.bench.trio.arrange(views)
         yield partial(is_past, time.perf_counter() + 0.5)
         window.resize(*window_size(window))
         yield partial(is_past, time.perf_counter() + 0.3)
@@ -94,7 +94,7 @@ TASKS: dict[str, Task] = {"tune": tune, "orbit": orbit, "grow": grow, "edit": ed
 
 def drag(window: MainWindow, name: str, report: Report, clock: Clock) -> Iterator[Wait]:
     """Drag a slider and note when map and layers panel show an answer of what was chosen."""
-    document, slider = window.document, getattr(window.parameters, name).slider
+    document, slider = window.bench.document, getattr(window.bench.parameters, name).slider
     assert document.facts is not None
     lengths = (cell_range if name == "cell_size" else height_range)(document.facts)
     first, last = map(lengths.position, SLIDERS[name])
@@ -130,13 +130,13 @@ class Shown:
             window.findChild(NewestWins, part).answered.connect(partial(self._note, part))  # type: ignore[union-attr]
             for part in ("map", "layers panel")
         ]
-        self._counting = window.document.answer_changed.connect(self._count)
+        self._counting = window.bench.document.answer_changed.connect(self._count)
 
     def move(self, act: Callable[[], None]) -> None:
         """Set a parameter and note when."""
         now = time.perf_counter()
         act()
-        self._set.setdefault(self._value(self._window.document.project.parameters), now)
+        self._set.setdefault(self._value(self._window.bench.document.project.parameters), now)
 
     def end(self, released: float) -> list[float]:
         """Seconds from the first setting of each parameter that was shown while the hand moved."""
@@ -163,7 +163,7 @@ class Shown:
 
 def core_seconds(window: MainWindow) -> float:
     """Time the core alone takes for the exact result of another cell size."""
-    document, pipeline = window.document, Pipeline()
+    document, pipeline = window.bench.document, Pipeline()
     parameters = document.project.parameters
     pipeline.run(document.scans, parameters)
     begin = time.perf_counter()
@@ -176,24 +176,24 @@ def core_seconds(window: MainWindow) -> float:
 
 def window_size(window: MainWindow) -> tuple[int, int]:
     """Size of the window at which the pictures have the size wanted, together."""
-    canvases = [window.trio.canvases[view] for view in window.trio.shown]
+    canvases = [window.bench.trio.canvases[view] for view in window.bench.trio.shown]
     across, down = sum(canvas.width() for canvas in canvases), canvases[0].height()
     return window.width() + VIEW_SIZE[0] - across, window.height() + VIEW_SIZE[1] - down
 
 
 def turn(window: MainWindow, views: Sequence[str], report: Report) -> Iterator[Wait]:
     """Orbit with the mouse, count the pictures painted, and wait for the full ones."""
-    canvas = window.trio.canvases[views[0]]
+    canvas = window.bench.trio.canvases[views[0]]
     frames: dict[str, list[Any]] = {view: [] for view in views}
 
     def note(view: str) -> None:
-        frame = window.client.frame(view)
+        frame = window.bench.client.frame(view)
         if frame is not None and not any(frame is known for known in frames[view][-1:]):
             frames[view] = [*frames[view][-1:], frame]
             counted[view].append(frame.points)
 
     counted: dict[str, list[int]] = {view: [] for view in views}
-    watches = [Watch(window.trio.canvases[view], partial(note, view)) for view in views]
+    watches = [Watch(window.bench.trio.canvases[view], partial(note, view)) for view in views]
     mouse(canvas, QEvent.Type.MouseButtonPress, (100, 500))
     begin = time.perf_counter()
     for number in range(int(DRAG_SECONDS * MOVES_A_SECOND)):
@@ -209,7 +209,7 @@ def turn(window: MainWindow, views: Sequence[str], report: Report) -> Iterator[W
     report["size"] = canvas.pixels
     report["pictures"] = min(len(points) for points in moved.values())
     report["points"] = int(np.median(moved[CLOUD])) if moved[CLOUD] else 0
-    full = {view: frame for view in views if (frame := window.client.frame(view)) is not None}
+    full = {view: frame for view in views if (frame := window.bench.client.frame(view)) is not None}
     report["full"] = full[CLOUD].points, full[CLOUD].covered
     report["each"] = {view: (frame.seconds, frame.triangles) for view, frame in full.items()}
 
@@ -231,19 +231,19 @@ def open_and_close(window: MainWindow, files: Sequence[Path], times: int) -> Ite
     """Open each of the scans in turn, wait until it is drawn, and close it."""
     for number in range(times):
         window.open_scans([files[number % len(files)]])
-        yield lambda: not window.document.opening and settled(window)
-        window.document.close_scan()
+        yield lambda: not window.bench.document.opening and settled(window)
+        window.bench.document.close_scan()
         yield window.is_settled
     window.open_scans(files[:1])
-    yield lambda: not window.document.opening and settled(window)
+    yield lambda: not window.bench.document.opening and settled(window)
 
 
 def move_sliders(window: MainWindow, times: int) -> Iterator[Wait]:
     """Move the sliders in turn and wait each time for the result."""
-    sliders = [getattr(window.parameters, name).slider for name in SLIDERS]
+    sliders = [getattr(window.bench.parameters, name).slider for name in SLIDERS]
     for number in range(times):
         sliders[number % 3].setValue(450 + number * 37 % 100)
-        yield lambda: not window.document.pending
+        yield lambda: not window.bench.document.pending
     yield partial(settled, window)
 
 

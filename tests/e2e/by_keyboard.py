@@ -34,11 +34,11 @@ class Keyboard:
 
     def save(self, file: Path) -> Steps:
         """Save; the dialog comes the first time."""
-        if self._window.document.file.stored is None:
+        if self._window.bench.document.file.stored is None:
             yield from self._answer_dialog("ctrl+s", file)
         else:
             xdotool(*typing("ctrl+s"))
-            yield "saving", lambda: not self._window.document.file.dirty
+            yield "saving", lambda: not self._window.bench.document.file.dirty
 
     def recover(self) -> Steps:
         """Press the letter of the offer."""
@@ -72,8 +72,11 @@ class Keyboard:
         window = self._window
         yield from self._activate(patch.wrong)
         xdotool(*typing("m"))
-        yield "the map", lambda: window.map.plot.hasFocus() and window.select_tools.tool == "rectangle"
-        yield "the map of the layer", lambda: window.map.layer == patch.wrong and window.is_settled()
+        yield (
+            "the map",
+            lambda: window.bench.map.plot.hasFocus() and window.bench.select_tools.tool == "rectangle",
+        )
+        yield "the map of the layer", lambda: window.bench.map.layer == patch.wrong and window.is_settled()
         xdotool(*typing("Right"))
         yield "the cursor", lambda: self._cursor() is not None
         grid = self._grid()
@@ -81,7 +84,7 @@ class Keyboard:
         yield from self._walk(first, top, "")
         yield from self._walk(last, bottom, "shift+")
         xdotool(*typing("Return"))
-        yield "the selection", lambda: window.selection.count > 0 and window.is_settled()
+        yield "the selection", lambda: window.bench.selection.count > 0 and window.is_settled()
 
     def move(self, layer: int) -> Steps:
         """Press the digit of the layer."""
@@ -98,7 +101,7 @@ class Keyboard:
 
     def change_cell_size(self) -> Steps:
         """Go to the box by its letter, and type."""
-        box, stack = self._window.parameters.cell_size.box, self._window.document.undo_stack
+        box, stack = self._window.bench.parameters.cell_size.box, self._window.bench.document.undo_stack
         before = stack.count()
         xdotool(*typing("alt+c"))
         yield "the box", box.hasFocus
@@ -109,7 +112,7 @@ class Keyboard:
 
     def _activate(self, layer: int) -> Steps:
         """Go up or down through the layers."""
-        document = self._window.document
+        document = self._window.bench.document
         way = layer - document.active_layer
         if way:
             xdotool(*typing(*(["ctrl+Prior"] * way + ["ctrl+Next"] * -way)))
@@ -142,12 +145,12 @@ class Keyboard:
         return cursor is not None and (cursor.column, cursor.row) == (column, row)
 
     def _cursor(self) -> CellCursor | None:
-        tool = self._window.map.plot.grip.tool
+        tool = self._window.bench.map.plot.grip.tool
         return tool.cursor if isinstance(tool, MapSelectingTool) else None
 
     def _grid(self) -> Grid:
-        assert self._window.document.answer is not None
-        return self._window.document.answer.result.field.compartments.grid
+        assert self._window.bench.document.answer is not None
+        return self._window.bench.document.answer.result.field.compartments.grid
 
 
 def _is_active(name: str) -> bool:

@@ -56,13 +56,16 @@ class Mouse:
         source.show()
         yield "the file to drag", source.isVisible
         xdotool(*dragging(at(source, 0.5, 0.5), at(self._window.welcome, 0.6, 0.6)))
-        yield "the drop", lambda: self._window.document.busy or self._window.document.answer is not None
+        yield (
+            "the drop",
+            lambda: self._window.bench.document.busy or self._window.bench.document.answer is not None,
+        )
         source.close()
 
     def save(self, file: Path) -> Steps:
         """Press the button: the project has its file."""
         self._press("save")
-        yield "saving", lambda: not self._window.document.file.dirty
+        yield "saving", lambda: not self._window.bench.document.file.dirty
 
     def recover(self) -> Steps:
         """Press the button of the offer."""
@@ -89,7 +92,7 @@ class Mouse:
         menu = file.menu()
         assert isinstance(menu, QMenu)
         yield "the menu", menu.isVisible
-        quit_ = menu.actionGeometry(self._window.actions_["quit"]).center()
+        quit_ = menu.actionGeometry(self._window.commands["quit"]).center()
         xdotool(*clicking(on_screen(menu, *quit_.toTuple())))
 
     # --- Editing --------------------------------------------------------------------------------------------
@@ -98,21 +101,24 @@ class Mouse:
         """Draw a lasso: around the first patch in the 3-D view, from above, then in the map."""
         window = self._window
         xdotool(*clicking(self._row(patch.wrong)))
-        yield "the layer", lambda: window.document.active_layer == patch.wrong and window.is_settled()
-        if not window.document.project.moves:
+        yield "the layer", lambda: window.bench.document.active_layer == patch.wrong and window.is_settled()
+        if not window.bench.document.project.moves:
             yield from self._look_from_above(patch.wrong)
             yield from self._approach(patch)
         else:
             self._screen = self._in_map
             yield from self._approach(patch)
         self._press("lasso")
-        yield "the lasso", lambda: window.select_tools.tool == "lasso"
+        yield "the lasso", lambda: window.bench.select_tools.tool == "lasso"
         xdotool(*dragging(*self._around(patch)))
-        yield "the selection", lambda: window.selection.count > 0 and not pressed() and window.is_settled()
+        yield (
+            "the selection",
+            lambda: window.bench.selection.count > 0 and not pressed() and window.is_settled(),
+        )
 
     def move(self, layer: int) -> Steps:
         """Drag the selection onto the row of the other layer, and let go once that says what would happen."""
-        selection, model = self._window.selection, self._window.layers.model
+        selection, model = self._window.bench.selection, self._window.bench.layers.model
         assert selection.mask is not None
         assert selection.result is not None
         chosen = np.flatnonzero(selection.mask)
@@ -135,7 +141,7 @@ class Mouse:
 
     def change_cell_size(self) -> Steps:
         """Drag the slider a little."""
-        slider, stack = self._window.parameters.cell_size.slider, self._window.document.undo_stack
+        slider, stack = self._window.bench.parameters.cell_size.slider, self._window.bench.document.undo_stack
         share, before = slider.value() / slider.maximum(), stack.count()
         xdotool(*dragging(at(slider, share, 0.5), at(slider, share + 0.03, 0.5)))
         yield "another cell size", lambda: stack.count() > before and not pressed()
@@ -145,19 +151,19 @@ class Mouse:
     def _look_from_above(self, layer: int) -> Steps:
         """Make the pillars' view large, look straight down, and show a layer alone."""
         window = self._window
-        xdotool(*clicking(at(window.trio.headers[PILLARS], 0.1, 0.5)), "click", 1)
-        yield "one large view", lambda: window.trio.shown == (PILLARS,) and window.is_settled()
-        viewpoint = window.trio.viewpoint
+        xdotool(*clicking(at(window.bench.trio.headers[PILLARS], 0.1, 0.5)), "click", 1)
+        yield "one large view", lambda: window.bench.trio.shown == (PILLARS,) and window.is_settled()
+        viewpoint = window.bench.trio.viewpoint
         self._press("parallel")
         yield "parallel projection", lambda: viewpoint.camera.parallel
         self._press("top")
         yield "the view from above", lambda: viewpoint.camera.elevation > 89
-        view, model = window.layers.view, window.layers.model
+        view, model = window.bench.layers.view, window.bench.layers.model
         room = RowLayout(view.visualRect(model.index(model.row_of(layer))))
         xdotool(*clicking(on_screen(view.viewport(), *room.solo().center().toTuple())))
         yield (
             "the layer alone",
-            lambda: window.layers.visible_layers() == (layer,) and window.is_settled(),
+            lambda: window.bench.layers.visible_layers() == (layer,) and window.is_settled(),
         )
 
     def _approach(self, patch: Patch) -> Steps:
@@ -169,7 +175,7 @@ class Mouse:
 
     def _fineness(self) -> float:
         """Return how many pixels a compartment is wide."""
-        answer = self._window.document.answer
+        answer = self._window.bench.document.answer
         assert answer is not None
         cell_size = answer.result.parameters.cell_size
         assert isinstance(cell_size, float)
@@ -188,22 +194,22 @@ class Mouse:
 
     def _in_view(self, x: float, y: float) -> Place:
         """Return where a place of the plan is in the large view."""
-        canvas, origin = self._window.trio.canvases[PILLARS], self._window.feeds.scene.origin
+        canvas, origin = self._window.bench.trio.canvases[PILLARS], self._window.bench.feeds.scene.origin
         return on_screen(canvas, *canvas.pixel_of((x - origin[0], y - origin[1], 0.0)).toTuple())
 
     def _in_map(self, x: float, y: float) -> Place:
-        plot = self._window.map.plot
+        plot = self._window.bench.map.plot
         return on_screen(plot.viewport(), *plot.pixel_of(x, y).toTuple())
 
     def _row(self, layer: int) -> Place:
-        view, model = self._window.layers.view, self._window.layers.model
+        view, model = self._window.bench.layers.view, self._window.bench.layers.model
         room = RowLayout(view.visualRect(model.index(model.row_of(layer))))
         place: QPoint = room.name().center()
         return on_screen(view.viewport(), place.x(), place.y())
 
     def _press(self, name: str) -> None:
         """Click the button of an action."""
-        action: QAction = self._window.actions_[name]
+        action: QAction = self._window.commands[name]
         bars = self._window.findChildren(QToolBar, options=Qt.FindChildOption.FindDirectChildrenOnly)
         button = next(button for bar in bars if (button := bar.widgetForAction(action)) is not None)
         xdotool(*clicking(at(button, 0.5, 0.5)))

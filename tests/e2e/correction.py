@@ -67,7 +67,7 @@ class Hand(Protocol):
 
 def correct(hand: Hand, window: MainWindow, file: Path, folder: Path, report: dict[str, Any]) -> Steps:
     """Put pillars right, save, go on, and wait to be killed."""
-    document, project = window.document, folder / "room.stepfield"
+    document, project = window.bench.document, folder / "room.stepfield"
     yield "the window to appear", lambda: window.isVisible() and QApplication.activeWindow() is window
     yield from hand.open(file)
     yield "the scan", lambda: document.answer is not None and window.is_settled()
@@ -104,7 +104,7 @@ def correct(hand: Hand, window: MainWindow, file: Path, folder: Path, report: di
 
 def recover(hand: Hand, window: MainWindow, folder: Path, report: dict[str, Any]) -> Steps:
     """Accept what the killed window has left, save it, and export it."""
-    document, bar = window.document, window.message_bar
+    document, bar = window.bench.document, window.message_bar
     yield "the offer", lambda: window.isVisible() and bool(bar.messages)
     report["offers"] = [message.sentence for message in bar.messages]
     yield from seen(window, folder, "offered")
@@ -123,7 +123,7 @@ def recover(hand: Hand, window: MainWindow, folder: Path, report: dict[str, Any]
 def moved(hand: Hand, window: MainWindow, patch: Patch, moves: int) -> Steps:
     """Move the selection; wait for the edit and for the pictures of it."""
     yield from hand.move(patch.right)
-    yield "the move", lambda: len(window.document.project.moves) == moves and window.is_settled()
+    yield "the move", lambda: len(window.bench.document.project.moves) == moves and window.is_settled()
 
 
 def seen(window: MainWindow, folder: Path, name: str) -> Steps:
@@ -134,10 +134,10 @@ def seen(window: MainWindow, folder: Path, name: str) -> Steps:
 
 def layers(window: MainWindow) -> NDArray[np.int64]:
     """Return the layer of every pillar."""
-    assert window.document.answer is not None
-    return window.document.answer.result.layering.layer.copy()
+    assert window.bench.document.answer is not None
+    return window.bench.document.answer.result.layering.layer.copy()
 
 
 def selected(window: MainWindow, patch: Patch) -> list[int]:
     """Count what is selected: of the wrong layer, and in all."""
-    return [window.selection.by_layer.get(patch.wrong, 0), window.selection.count]
+    return [window.bench.selection.by_layer.get(patch.wrong, 0), window.bench.selection.count]

@@ -66,7 +66,7 @@ def short_tour(
 ) -> Steps:
     """What a scan needs to become a stack, in a window that shows another one with unsaved edits."""
     if dropped:
-        yield from drop(window, scan, window.trio)
+        yield from drop(window, scan, window.bench.trio)
     else:
         window.open_scans([scan])
         yield from leave_the_last(window, scan)
@@ -90,7 +90,7 @@ def drop(window: MainWindow, scan: Path, target: QWidget) -> Steps:
 
 def leave_the_last(window: MainWindow, scan: Path) -> Steps:
     """Give up the edits of the scan before, if there is one, and wait for this one."""
-    document = window.document
+    document = window.bench.document
     if document.answer is not None:
         yield "the question about edits", lambda: dialog("Question") is not None
         question = dialog("Question")
@@ -101,13 +101,13 @@ def leave_the_last(window: MainWindow, scan: Path) -> Steps:
 
 def slide_all(window: MainWindow, report: dict[str, Any]) -> Steps:
     """Drag every slider; each drag is one step that undo takes back."""
-    document = window.document
+    document = window.bench.document
     yield from bring_forward(window, "Parameters")
     answers: list[Any] = []
     document.answer_changed.connect(answers.append)
     for name in ("tolerance", "alpha", "cell_size"):
         steps_before, answers_before = document.undo_stack.count(), len(answers)
-        slider = getattr(window.parameters, name).slider
+        slider = getattr(window.bench.parameters, name).slider
         share = slider.value() / slider.maximum()
         way = 0.15 if share < 0.6 else -0.15
         xdotool(*dragging(at(slider, share, 0.5), at(slider, share + way, 0.5)))
@@ -133,7 +133,7 @@ def bring_forward(window: MainWindow, title: str) -> Steps:
 
 def orbit(window: MainWindow, report: dict[str, Any]) -> Steps:
     """Turn the three views by dragging one of them."""
-    canvas, viewpoint = window.trio.canvases["cloud"], window.trio.viewpoint
+    canvas, viewpoint = window.bench.trio.canvases["cloud"], window.bench.trio.viewpoint
     before = viewpoint.camera
     xdotool(*dragging(at(canvas, 0.5, 0.5), at(canvas, 0.7, 0.4)))
     yield "the orbit", lambda: viewpoint.camera.azimuth != before.azimuth and not pressed()
@@ -142,38 +142,41 @@ def orbit(window: MainWindow, report: dict[str, Any]) -> Steps:
 
 def look_closely(window: MainWindow, folder: Path) -> Steps:
     """Zoom in; then one large view and back."""
-    canvas, viewpoint = window.trio.canvases["cloud"], window.trio.viewpoint
+    canvas, viewpoint = window.bench.trio.canvases["cloud"], window.bench.trio.viewpoint
     before = viewpoint.camera
     xdotool("mousemove", *at(canvas, 0.5, 0.6), "click", 4, "click", 4)
     yield "the zoom", lambda: viewpoint.camera.distance < before.distance and window.is_settled()
     xdotool("key", "ctrl+2")
-    yield "one large view", lambda: window.trio.shown == ("pillars",) and window.is_settled()
+    yield "one large view", lambda: window.bench.trio.shown == ("pillars",) and window.is_settled()
     picture(window, folder, "large")
     xdotool("key", "ctrl+0")
-    yield "three views", lambda: len(window.trio.shown) == 3 and window.is_settled()
+    yield "three views", lambda: len(window.bench.trio.shown) == 3 and window.is_settled()
 
 
 def cut(window: MainWindow, report: dict[str, Any]) -> Steps:
     """Draw a profile line in the map."""
-    plot = window.map.plot
+    plot = window.bench.map.plot
     plot.set_line(None)
     xdotool("mousemove", *at(plot, 0.5, 0.5), "key", "p")
     yield "the line tool", lambda: plot.is_drawing
     xdotool(*dragging(at(plot, 0.4, 0.3), at(plot, 0.7, 0.7)))
     yield "the profile", lambda: plot.line is not None and window.is_settled() and not pressed()
-    report["profile"] = window.profile.section is not None and window.profile.section.total
+    report["profile"] = window.bench.profile.section is not None and window.bench.profile.section.total
     xdotool("key", "Escape")
     yield "the end of the line tool", lambda: not plot.is_drawing
 
 
 def crop(window: MainWindow, report: dict[str, Any]) -> Steps:
     """Drag the handle of the crop box that is nearest to the viewer."""
-    document = window.document
+    document = window.bench.document
     xdotool("key", "ctrl+alt+0", "key", "c")
-    yield "the crop box", lambda: window.trio.canvases["cloud"].grip.tool is not None and window.is_settled()
-    canvas = window.trio.canvases["cloud"]
-    handle = window.crop_tool.place_of(canvas, (1, 0, 0))
-    inside = window.crop_tool.place_of(canvas, (0, 0, 0))
+    yield (
+        "the crop box",
+        lambda: window.bench.trio.canvases["cloud"].grip.tool is not None and window.is_settled(),
+    )
+    canvas = window.bench.trio.canvases["cloud"]
+    handle = window.bench.crop_tool.place_of(canvas, (1, 0, 0))
+    inside = window.bench.crop_tool.place_of(canvas, (0, 0, 0))
     start = canvas.mapToGlobal(handle.toPoint())
     end = canvas.mapToGlobal((handle + (inside - handle) * 0.5).toPoint())
     points = len(document.answer.result.scan) if document.answer else 0
@@ -182,12 +185,12 @@ def crop(window: MainWindow, report: dict[str, Any]) -> Steps:
     yield "the cropped result", window.is_settled
     report["cropped"] = points - (len(document.answer.result.scan) if document.answer else 0)
     xdotool("key", "Escape")
-    yield "the crop box to go", lambda: window.trio.canvases["cloud"].grip.tool is None
+    yield "the crop box to go", lambda: window.bench.trio.canvases["cloud"].grip.tool is None
 
 
 def undo_the_crop(window: MainWindow, report: dict[str, Any]) -> Steps:
     """Have the cropped points back."""
-    document = window.document
+    document = window.bench.document
     cropped = len(document.answer.result.scan) if document.answer else 0
     xdotool("key", "ctrl+z")
     yield "undo", lambda: document.project.parameters.crop is None and window.is_settled()
@@ -197,13 +200,13 @@ def undo_the_crop(window: MainWindow, report: dict[str, Any]) -> Steps:
 
 def lose_the_drawing(window: MainWindow, report: dict[str, Any]) -> Steps:
     """Kill the process that draws: it comes back, and the document never notices."""
-    before, answer = window.client.process_id, window.document.answer
+    before, answer = window.bench.client.process_id, window.bench.document.answer
     os.kill(before, signal.SIGKILL)
     yield (
         "another drawing process",
-        lambda: window.client.process_id not in (0, before) and window.is_settled(),
+        lambda: window.bench.client.process_id not in (0, before) and window.is_settled(),
     )
-    report["came back"] = window.document.answer is answer
+    report["came back"] = window.bench.document.answer is answer
 
 
 def export(window: MainWindow, stack: Path, report: dict[str, Any]) -> Steps:
@@ -220,7 +223,7 @@ def export(window: MainWindow, stack: Path, report: dict[str, Any]) -> Steps:
         lambda: (stack / "manifest.json").exists() and exporting.show_button.isVisible(),
     )
     picture(exporting, stack.parent, "dialog")
-    report["exported"] = window.document.answer.result.parameters.model_dump(mode="json")  # type: ignore[union-attr]
+    report["exported"] = window.bench.document.answer.result.parameters.model_dump(mode="json")  # type: ignore[union-attr]
     exporting.reject()
     yield "the dialog to go", lambda: dialog("ExportDialog") is None
 

@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from stepfield_app.actions import Actions
 from stepfield_app.commands import edit, file, help, layers, select, tools, view
+from stepfield_app.commands.filing import Filing
 from stepfield_app.toolbars import TOOLBARS
-
-if TYPE_CHECKING:
-    from stepfield_app.main_window import MainWindow
+from stepfield_app.workbench import Workbench
 
 
-def make(window: MainWindow) -> Actions:
+def make(bench: Workbench, filing: Filing) -> Actions:
     """Make every action and put it where it is looked for."""
-    actions = Actions(window)
-    file.make(actions, window)
-    edit.make(actions, window)
-    view.make(actions, window)
-    layers.make(actions, window)
-    tools.make(actions, window)
-    select.make(actions, window)
-    help.make(actions, window)
-    file.fill(actions, window)
+    actions = Actions(bench.frame)
+    file.make(actions, bench, filing)
+    edit.make(actions, bench)
+    view.make(actions, bench)
+    layers.make(actions, bench)
+    tools.make(actions, bench)
+    select.make(actions, bench)
+    help.make(actions, bench.frame)
+    file.fill(actions, bench.frame, filing)
     edit.fill(actions)
-    view.fill(actions, window)
+    view.fill(actions, bench)
     layers.fill(actions)
     tools.fill(actions)
     help.fill(actions)

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtGui import QAction
 
 from stepfield_app.actions import Actions, Keys
 from stepfield_app.commands import select
-
-if TYPE_CHECKING:
-    from stepfield_app.main_window import MainWindow
+from stepfield_app.workbench import Workbench
 
 
-def make(actions: Actions, window: MainWindow) -> None:
+def make(actions: Actions, bench: Workbench) -> None:
     """Make the actions of the menu."""
-    stack = window.document.undo_stack
+    stack = bench.document.undo_stack
     undo = actions.make("undo", "&Undo", stack.undo, keys=Keys.Undo, glyph="undo", needs_scan=False)
     redo = actions.make(
         "redo", "&Redo", stack.redo, keys=["Ctrl+Shift+Z", "Ctrl+Y"], glyph="redo", needs_scan=False

@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtWidgets import QFileDialog, QMenu
 
 from stepfield_app.actions import Actions, Keys
 from stepfield_app.commands import tools
+from stepfield_app.commands.filing import Filing
+from stepfield_app.frame import Frame
 from stepfield_app.settings import Files
-
-if TYPE_CHECKING:
-    from stepfield_app.main_window import MainWindow
+from stepfield_app.workbench import Workbench
 
 
-def make(actions: Actions, window: MainWindow) -> None:
+def make(actions: Actions, bench: Workbench, filing: Filing) -> None:
     """Make the actions of the menu."""
     make = actions.make
     make(
         "open",
         "&Open…",
-        window.filing.choose_files,
+        filing.choose_files,
         keys=Keys.Open,
         glyph="open",
         tip="Open the files of one scan, or a project",
@@ -30,7 +29,7 @@ def make(actions: Actions, window: MainWindow) -> None:
     make(
         "demo",
         "Open the &demo",
-        window.feeds.demo.start,
+        bench.feeds.demo.start,
         glyph="demo",
         tip="Open a collapsed building made for trying things out",
         needs_scan=False,
@@ -38,7 +37,7 @@ def make(actions: Actions, window: MainWindow) -> None:
     make(
         "save",
         "&Save",
-        window.filing.save,
+        filing.save,
         keys=Keys.Save,
         glyph="save",
         tip="Save the project with its edits",
@@ -46,16 +45,22 @@ def make(actions: Actions, window: MainWindow) -> None:
     make(
         "save as",
         "Save &as…",
-        window.filing.save_as,
+        filing.save_as,
         keys="Ctrl+Shift+S",
         glyph="save as",
         tip="Save the project to another file",
     )
-    make("close", "&Close the scan", partial(close_scan, window), keys=Keys.Close, glyph="close")
+    make(
+        "close",
+        "&Close the scan",
+        partial(_close_scan, actions, bench, filing),
+        keys=Keys.Close,
+        glyph="close",
+    )
     make(
         "export",
         "&Export…",
-        partial(_export, window),
+        partial(_export, bench),
         keys="Ctrl+E",
         glyph="export",
         tip="Write the height-maps",
@@ -63,70 +68,71 @@ def make(actions: Actions, window: MainWindow) -> None:
     make(
         "picture",
         "Save a &picture of the window…",
-        partial(_save_picture, window),
+        partial(_save_picture, bench.frame),
         glyph="screenshot",
         needs_scan=False,
     )
-    make("quit", "&Quit", window.close, keys=Keys.Quit, needs_scan=False)
+    make("quit", "&Quit", bench.frame.close, keys=Keys.Quit, needs_scan=False)
 
 
-def fill(actions: Actions, window: MainWindow) -> None:
+def fill(actions: Actions, frame: Frame, filing: Filing) -> None:
     """Fill the menu."""
     file = actions.menu("&File", ["open"])
     recent = file.addMenu("Open &recent")
-    recent.aboutToShow.connect(partial(_fill_recent, recent, window))
+    recent.aboutToShow.connect(partial(_fill_recent, recent, frame, filing))
     actions.fill(file, ["demo", None, "save", "save as", None, "export", "picture", None, "close", "quit"])
 
 
-def close_scan(window: MainWindow) -> None:
+def _close_scan(actions: Actions, bench: Workbench, filing: Filing) -> None:
     """Close the scan, and the tools that work on it."""
-    window.filing.leave(partial(_close, window))
+    filing.leave(partial(_close, actions, bench))
 
 
-def _close(window: MainWindow) -> None:
-    while tools.put_away(window):
+def _close(actions: Actions, bench: Workbench) -> None:
+    while tools.put_away(actions, bench):
         pass
-    window.document.close_scan()
+    bench.document.close_scan()
 
 
-def _fill_recent(menu: QMenu, window: MainWindow) -> None:
+def _fill_recent(menu: QMenu, frame: Frame, filing: Filing) -> None:
     menu.clear()
-    for files in window.settings.recent:
+    for files in frame.settings.recent:
         more = f" and {len(files) - 1} more" if len(files) > 1 else ""
         action = menu.addAction(f"{files[0].name}{more}".replace("&", "&&"))
         action.setToolTip(str(files[0]))
-        action.triggered.connect(partial(_open_recent, window, files))
+        action.triggered.connect(partial(_open_recent, filing, files))
     if menu.isEmpty():
         menu.addAction("Nothing yet").setEnabled(False)
     else:
         menu.addSeparator()
-        menu.addAction("Forget these", partial(_forget_recent, window))
+        menu.addAction("Forget these", partial(_forget_recent, frame))
 
 
-def _forget_recent(window: MainWindow) -> None:
-    window.settings.forget_recent()
-    window.welcome.set_recent(())
+def _forget_recent(frame: Frame) -> None:
+    frame.settings.forget_recent()
+    frame.welcome.set_recent(())
 
 
-def _open_recent(window: MainWindow, files: Files, is_checked: bool = False) -> None:
-    window.filing.open(files)
+def _open_recent(filing: Filing, files: Files, is_checked: bool = False) -> None:
+    filing.open(files)
 
 
-def _export(window: MainWindow) -> None:
+def _export(bench: Workbench) -> None:
     from stepfield_app.dialogs.export import ExportDialog
 
-    dialog = ExportDialog(window.document, window.settings, window.appearance.theme, window)
-    window.appearance.changed.connect(dialog.set_theme)
-    window.feeds.complex.shown.connect(dialog.show_meshed)
-    dialog.show_meshed(window.feeds.complex.meshed)
+    frame = bench.frame
+    dialog = ExportDialog(bench.document, frame.settings, frame.appearance.theme, frame)
+    frame.appearance.changed.connect(dialog.set_theme)
+    bench.feeds.complex.shown.connect(dialog.show_meshed)
+    dialog.show_meshed(bench.feeds.complex.meshed)
     dialog.exec()
     dialog.deleteLater()
 
 
-def _save_picture(window: MainWindow) -> None:
-    picture = window.grab()
+def _save_picture(frame: Frame) -> None:
+    picture = frame.grab()
     name, _ = QFileDialog.getSaveFileName(
-        window, "Save a picture", str(window.settings.folder("picture") / "stepfield.png"), "PNG (*.png)"
+        frame, "Save a picture", str(frame.settings.folder("picture") / "stepfield.png"), "PNG (*.png)"
     )
     if name and not picture.save(name):
-        window.message_bar.tell("error", f"{name}: the picture cannot be written; choose another place")
+        frame.message_bar.tell("error", f"{name}: the picture cannot be written; choose another place")

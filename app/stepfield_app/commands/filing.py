@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from PySide6.QtCore import QObject, QTimer
 
@@ -20,9 +20,7 @@ from stepfield_app.saving import FileWatch, Saving
 from stepfield_app.settings import Files
 from stepfield_app.views.message_bar import Choice
 from stepfield_app.views.remembered import Remembered
-
-if TYPE_CHECKING:
-    from stepfield_app.main_window import MainWindow
+from stepfield_app.workbench import Workbench
 
 Then = Callable[[], object]
 
@@ -30,18 +28,19 @@ Then = Callable[[], object]
 class Filing(QObject):
     """Opens, saves and recovers what is in a window.
 
+    One that remembers nothing, for pictures, keeps no edits for the case of a crash and asks nothing.
+
     Parameters
     ----------
-    window : MainWindow
+    bench : Workbench
         With its views and feeds made.
-    remembers : bool
-        False keeps no edits for the case of a crash, and asks nothing: for pictures.
     """
 
-    def __init__(self, window: MainWindow, *, remembers: bool = True) -> None:
-        super().__init__(window)
-        self._window, self._remembers, self._leaves = window, remembers, False
-        self._document = document = window.document
+    def __init__(self, bench: Workbench) -> None:
+        super().__init__(bench.frame)
+        self._bench, self._window, self._leaves = bench, bench.frame, False
+        self._remembers = remembers = bench.frame.remembers
+        self._document = document = bench.document
         self.opener = Opener(document, self)
         self.saving = Saving(document, self.look, self)
         self.watch = FileWatch(document, self.saving, self)
@@ -75,9 +74,9 @@ class Filing(QObject):
 
     def look(self) -> dict[str, Any]:
         """Return how the project is looked at, as its file holds it."""
-        window = self._window
-        origin = window.feeds.scene.origin
-        return Remembered.of(window.trio, window.map, self._document.active_layer, origin).content()
+        bench = self._bench
+        origin = bench.feeds.scene.origin
+        return Remembered.of(bench.trio, bench.map, self._document.active_layer, origin).content()
 
     # --- Opening --------------------------------------------------------------------------------------------
 
@@ -106,14 +105,14 @@ class Filing(QObject):
 
     def _note_opened(self) -> None:
         """Look at what was opened as it was left."""
-        window, document = self._window, self._document
+        bench, document = self._bench, self._document
         remembered = Remembered.read(document.project.view)
         if document.project.view:
-            remembered.show(window.trio, window.map)
+            remembered.show(bench.trio, bench.map)
             last = len(document.answer.result.layers) - 1 if document.answer else 0
             document.set_active_layer(max(-1, min(remembered.layer, last)))
-        if camera := remembered.camera_from(window.feeds.scene.origin):
-            window.feeds.scene.begin_with(camera)
+        if camera := remembered.camera_from(bench.feeds.scene.origin):
+            bench.feeds.scene.begin_with(camera)
         stored = document.file.stored
         self._remember((stored.path,) if stored else document.scans)
         self._show_title()

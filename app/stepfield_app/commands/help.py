@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from stepfield_app.actions import Actions
 from stepfield_app.commands import select
-
-if TYPE_CHECKING:
-    from stepfield_app.main_window import MainWindow
-
+from stepfield_app.frame import Frame
 
 #: What the mouse does, for the sheet of keys: no action knows it.
 GESTURES = {
@@ -31,10 +27,10 @@ GESTURES = {
 }
 
 
-def make(actions: Actions, window: MainWindow) -> None:
+def make(actions: Actions, frame: Frame) -> None:
     """Make the actions of the menu."""
-    actions.make("keys", "&Keys", partial(_show_keys, window), keys="F1", glyph="shortcuts", needs_scan=False)
-    actions.make("about", "&About Stepfield", partial(_show_about, window), glyph="info", needs_scan=False)
+    actions.make("keys", "&Keys", partial(_show_keys, frame), keys="F1", glyph="shortcuts", needs_scan=False)
+    actions.make("about", "&About Stepfield", partial(_show_about, frame), glyph="info", needs_scan=False)
 
 
 def fill(actions: Actions) -> None:
@@ -42,17 +38,17 @@ def fill(actions: Actions) -> None:
     actions.menu("&Help", ["keys", "about"])
 
 
-def _show_keys(window: MainWindow) -> None:
+def _show_keys(frame: Frame) -> None:
     from stepfield_app.dialogs.shortcuts import ShortcutSheet
 
-    sheet = ShortcutSheet(window, GESTURES)
+    sheet = ShortcutSheet(frame, GESTURES)
     sheet.exec()
     sheet.deleteLater()
 
 
-def _show_about(window: MainWindow) -> None:
+def _show_about(frame: Frame) -> None:
     from stepfield_app.dialogs.about import AboutDialog
 
-    about = AboutDialog(window)
+    about = AboutDialog(frame)
     about.exec()
     about.deleteLater()

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 from PySide6.QtGui import QKeySequence, QShortcut
 
 from stepfield.layers import UNASSIGNED
 from stepfield_app.actions import Actions
 from stepfield_app.panels.move_menu import KEYS
-
-if TYPE_CHECKING:
-    from stepfield_app.main_window import MainWindow
+from stepfield_app.workbench import Workbench
 
 #: Actions on the active layer: name, text, key, icon, explanation; the name is the wish's too.
 OF_LAYER = (
@@ -26,28 +23,28 @@ OF_LAYER = (
 )
 
 
-def make(actions: Actions, window: MainWindow) -> None:
+def make(actions: Actions, bench: Workbench) -> None:
     """Make the actions of the menu."""
-    _make_moves(actions, window)
+    _make_moves(actions, bench)
     actions.make(
         "new layer",
         "&New layer",
-        window.layer_editing.new,
+        bench.layer_editing.new,
         keys="Ctrl+Shift+N",
         glyph="new layer",
         tip="Make an empty layer",
     )
     for wish, text, keys, glyph, tip in OF_LAYER:
-        do = getattr(window.layer_editing, wish)
+        do = getattr(bench.layer_editing, wish)
         actions.make(f"layer {wish}", text, do, keys=keys, glyph=glyph, tip=tip)
     for name, text, keys, step in (
         ("layer above", "Go to the layer abo&ve", "Ctrl+PgUp", 1),
         ("layer below", "Go to the layer &below", "Ctrl+PgDown", -1),
     ):
-        actions.make(name, text, partial(_go, window, step), keys=keys, tip="Make it the active one")
-    actions.make("show all layers", "Show &all", window.layers.show_all, keys="Ctrl+Shift+H", glyph="visible")
-    window.layer_editing.merge_wanted.connect(partial(merge, window))
-    window.layer_editing.split_wanted.connect(partial(split, window))
+        actions.make(name, text, partial(_go, bench, step), keys=keys, tip="Make it the active one")
+    actions.make("show all layers", "Show &all", bench.layers.show_all, keys="Ctrl+Shift+H", glyph="visible")
+    bench.layer_editing.merge_wanted.connect(partial(merge, bench))
+    bench.layer_editing.split_wanted.connect(partial(split, bench))
 
 
 def fill(actions: Actions) -> None:
@@ -61,44 +58,44 @@ def fill(actions: Actions) -> None:
     actions.fill(layers, ["layer above", "layer below", "show all layers"])
 
 
-def _go(window: MainWindow, step: int) -> None:
+def _go(bench: Workbench, step: int) -> None:
     """Make the next layer up or down the active one; below the lowest is Unassigned."""
-    document = window.document
+    document = bench.document
     if document.answer is not None:
         highest = len(document.answer.result.layers) - 1
         document.set_active_layer(min(highest, max(UNASSIGNED, document.active_layer + step)))
 
 
-def merge(window: MainWindow, source: int, target: int) -> None:
+def merge(bench: Workbench, source: int, target: int) -> None:
     """Ask into which layer another one goes, with the numbers, and do it."""
     from stepfield_app.dialogs.merge import MergeDialog
 
-    dialog = MergeDialog(window.editor, source, target, window)
+    dialog = MergeDialog(bench.editor, source, target, bench.frame)
     if dialog.exec():
-        window.editor.merge(source, dialog.target)
+        bench.editor.merge(source, dialog.target)
     dialog.deleteLater()
 
 
-def split(window: MainWindow, layer: int) -> None:
+def split(bench: Workbench, layer: int) -> None:
     """Ask where a layer is parted, and do it."""
     from stepfield_app.dialogs.split import SplitDialog
 
-    answer = window.document.answer
+    answer = bench.document.answer
     if answer is None or layer >= len(answer.result.layers):
         return
-    of = next(target for target in window.editor.targets if target.to == layer)
+    of = next(target for target in bench.editor.targets if target.to == layer)
     if not len(answer.result.layers[layer].pillars):
-        window.editor.told.emit(f"{of.name} is empty: there is nothing to split")
+        bench.editor.told.emit(f"{of.name} is empty: there is nothing to split")
         return
-    dialog = SplitDialog(answer.result, layer, of.name, of.colour, window.appearance.theme, window)
+    dialog = SplitDialog(answer.result, layer, of.name, of.colour, bench.frame.appearance.theme, bench.frame)
     if dialog.exec():
-        window.editor.split(layer, dialog.elevation)
+        bench.editor.split(layer, dialog.elevation)
     dialog.deleteLater()
 
 
-def _make_moves(actions: Actions, window: MainWindow) -> None:
+def _make_moves(actions: Actions, bench: Workbench) -> None:
     """Make the actions that move the selection: a digit takes it to a layer."""
-    editor, shortcuts = window.editor, []
+    editor, shortcuts = bench.editor, []
     for number in range(1, KEYS + 1):
         action = actions.make(
             f"to layer {number}",
@@ -108,7 +105,7 @@ def _make_moves(actions: Actions, window: MainWindow) -> None:
             tip=f"Move the selected pillars to layer {number}",
         )
         action.setVisible(False)
-        shortcuts.append(_say_there_is_none(window, number))
+        shortcuts.append(_say_there_is_none(bench, number))
     actions.make(
         "to unassigned",
         "Move to &Unassigned",
@@ -124,23 +121,23 @@ def _make_moves(actions: Actions, window: MainWindow) -> None:
         glyph="new layer",
         tip="Make a layer of the selected pillars",
     )
-    _follow_names(actions, window, shortcuts)
+    _follow_names(actions, bench, shortcuts)
 
 
-def _say_there_is_none(window: MainWindow, number: int) -> QShortcut:
+def _say_there_is_none(bench: Workbench, number: int) -> QShortcut:
     """Let the digit of a layer that is not there say so: an action that is hidden says nothing."""
-    shortcut = QShortcut(QKeySequence(str(number)), window)
-    shortcut.activated.connect(lambda: window.editor.told.emit(f"There is no layer {number}"))
+    shortcut = QShortcut(QKeySequence(str(number)), bench.frame)
+    shortcut.activated.connect(lambda: bench.editor.told.emit(f"There is no layer {number}"))
     shortcut.setEnabled(False)
     return shortcut
 
 
-def _follow_names(actions: Actions, window: MainWindow, shortcuts: Sequence[QShortcut]) -> None:
+def _follow_names(actions: Actions, bench: Workbench, shortcuts: Sequence[QShortcut]) -> None:
     """Let the menu have an entry for each layer there is, under its name."""
     known: dict[int, str] = {}
 
     def follow(_: object) -> None:
-        names = {target.to: target.name for target in window.editor.targets}
+        names = {target.to: target.name for target in bench.editor.targets}
         if names == known:  # as at nearly every step of a slider
             return
         known.clear()
@@ -152,5 +149,5 @@ def _follow_names(actions: Actions, window: MainWindow, shortcuts: Sequence[QSho
             name = names.get(place, "").replace("&", "&&")
             action.setText(f"&{place + 1}  {name}")
 
-    for signal in (window.document.answer_changed, window.document.project_changed):
+    for signal in (bench.document.answer_changed, bench.document.project_changed):
         signal.connect(follow)

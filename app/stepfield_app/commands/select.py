@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from stepfield_app.actions import Actions
 from stepfield_app.selection import ReachKind
 from stepfield_app.toolbars import TOOLS
 from stepfield_app.tools.choice import ToolName
-
-if TYPE_CHECKING:
-    from stepfield_app.main_window import MainWindow
+from stepfield_app.workbench import Workbench
 
 #: Names of the other actions: of the Edit menu and every view's, of its submenu, of the Tools menu.
 EDIT = ["select all", "invert", "grow", "shrink", "clear selection"]
@@ -47,43 +44,42 @@ _REACHES: tuple[tuple[ReachKind, str, str], ...] = (
 )
 
 
-def make(actions: Actions, window: MainWindow) -> None:
+def make(actions: Actions, bench: Workbench) -> None:
     """Make the actions; those of the other tools must be there already."""
-    _make_tools(actions, window)
-    _make_commands(actions, window)
-    _make_reaches(actions, window)
-    window.select_tools.set_commands([actions[name] for name in EDIT])
+    _make_tools(actions, bench)
+    _make_commands(actions, bench)
+    _make_reaches(actions, bench)
+    bench.select_tools.set_commands([actions[name] for name in EDIT])
 
 
-def _make_tools(actions: Actions, window: MainWindow) -> None:
+def _make_tools(actions: Actions, bench: Workbench) -> None:
     """Let one of all tools be in use: these are exclusive with the crop box and the profile line."""
     for name, text, key, tip in _TOOLS:
-        choose = partial(_choose, actions, window, name)
+        choose = partial(_choose, actions, bench, name)
         actions.make(name, text, choose, keys=key, glyph=name, checkable=True, tip=tip)
     actions.exclusive(TOOLS)
     actions["navigate"].setChecked(True)
-    window.select_tools.tool_changed.connect(lambda name: actions[name].setChecked(True))
+    bench.select_tools.tool_changed.connect(lambda name: actions[name].setChecked(True))
     for other in ("crop", "profile line"):
         actions[other].toggled.connect(partial(_give_way, actions))
     make = actions.make
-    make("narrower brush", "Narro&wer brush", partial(window.select_tools.widen, -1), keys="[")
-    make("wider brush", "Wid&er brush", partial(window.select_tools.widen, 1), keys="]")
+    make("narrower brush", "Narro&wer brush", partial(bench.select_tools.widen, -1), keys="[")
+    make("wider brush", "Wid&er brush", partial(bench.select_tools.widen, 1), keys="]")
     make(
         KEYBOARD,
         "Select in the &map by keys",
-        partial(_go_to_map, window),
+        partial(_go_to_map, actions, bench),
         keys="M",
         tip="Bring the map to the front and give it the keyboard: arrows, Shift+arrows, Enter",
     )
 
 
-def _go_to_map(window: MainWindow) -> None:
+def _go_to_map(actions: Actions, bench: Workbench) -> None:
     """Show the map, and its cursor if there is no tool yet."""
-    window.docks.map.show()
-    window.docks.map.raise_()
-    window.map.plot.setFocus()
-    if window.select_tools.tool == "navigate":
-        window.actions_["rectangle"].setChecked(True)
+    bench.raise_map()
+    bench.map.plot.setFocus()
+    if bench.select_tools.tool == "navigate":
+        actions["rectangle"].setChecked(True)
 
 
 def _give_way(actions: Actions, other_is_used: bool) -> None:
@@ -91,17 +87,17 @@ def _give_way(actions: Actions, other_is_used: bool) -> None:
         actions["navigate"].setChecked(True)
 
 
-def _choose(actions: Actions, window: MainWindow, name: ToolName, is_chosen: bool) -> None:
+def _choose(actions: Actions, bench: Workbench, name: ToolName, is_chosen: bool) -> None:
     if not is_chosen:
         return
     if name != "navigate":
         for other in ("crop", "profile line"):
             actions[other].setChecked(False)
-    window.select_tools.choose(name)
+    bench.select_tools.choose(name)
 
 
-def _make_commands(actions: Actions, window: MainWindow) -> None:
-    selection, document, make = window.selection, window.document, actions.make
+def _make_commands(actions: Actions, bench: Workbench) -> None:
+    selection, document, make = bench.selection, bench.document, actions.make
     make(
         "select all",
         "Select &all of the layer",
@@ -122,10 +118,10 @@ def _make_commands(actions: Actions, window: MainWindow) -> None:
     )
 
 
-def _make_reaches(actions: Actions, window: MainWindow) -> None:
-    selection = window.selection
+def _make_reaches(actions: Actions, bench: Workbench) -> None:
+    selection = bench.selection
     for kind, text, keys in _REACHES:
-        choose = partial(_reach, window, kind)
+        choose = partial(_reach, bench, kind)
         action = actions.make(f"reach {kind}", text, choose, keys=keys, checkable=True)
         action.setData(f"Reach: {_uncapitalised(text.replace('&', ''))}")  # in the sheet of keys
     actions.exclusive(REACHES)
@@ -141,6 +137,6 @@ def _uncapitalised(text: str) -> str:
     return text[:1].lower() + text[1:]
 
 
-def _reach(window: MainWindow, kind: ReachKind, is_chosen: bool) -> None:
-    if is_chosen and window.selection.reach_kind != kind:
-        window.selection.set_reach(kind)
+def _reach(bench: Workbench, kind: ReachKind, is_chosen: bool) -> None:
+    if is_chosen and bench.selection.reach_kind != kind:
+        bench.selection.set_reach(kind)

@@ -39,14 +39,14 @@ def shared(appearance: Appearance, tmp_path_factory: pytest.TempPathFactory) -> 
 def window(shared: MainWindow, qtbot: QtBot) -> Iterator[MainWindow]:
     """The shared window, on the screen, with nothing open."""
     shared.show()
-    shared.document.close_scan()
+    shared.bench.document.close_scan()
     shared.message_bar.dismiss_all()
     yield shared
     for dialog in shared.findChildren(ExportDialog):
         dialog.done(0)
     shared.appearance.choose("dark")
     shared.resize(1280, 800)
-    shared.document.close_scan()
+    shared.bench.document.close_scan()
     qtbot.waitUntil(shared.is_settled)
     shared.message_bar.dismiss_all()
     shared.hide()

@@ -28,16 +28,16 @@ def start_loading(window: MainWindow, folder: Folder, monkeypatch: pytest.Monkey
 
 
 def start_tuning(window: MainWindow, folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
-    gesture = window.document.begin_gesture()
+    gesture = window.bench.document.begin_gesture()
     for cell in np.linspace(0.1, 0.6, 20):
-        window.document.set_parameters("Cell", gesture, cell_size=float(cell))
+        window.bench.document.set_parameters("Cell", gesture, cell_size=float(cell))
 
 
 def start_drawing(window: MainWindow, folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
     for step in range(10):
-        window.trio.viewpoint.look(window.trio.viewpoint.camera.orbited(step, 0))
-    window.feeds.scene.ask()
-    window.feeds.plot._cut()
+        window.bench.trio.viewpoint.look(window.bench.trio.viewpoint.camera.orbited(step, 0))
+    window.bench.feeds.scene.ask()
+    window.bench.feeds.plot._cut()
 
 
 def start_exporting(window: MainWindow, folder: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -47,7 +47,7 @@ def start_exporting(window: MainWindow, folder: Folder, monkeypatch: pytest.Monk
             time.sleep(0.001)
 
     monkeypatch.setattr("stepfield_app.dialogs.export.export", endless_export)
-    dialog = ExportDialog(window.document, window.settings, window.appearance.theme, window)
+    dialog = ExportDialog(window.bench.document, window.settings, window.appearance.theme, window)
     dialog.folder_choice._name.setText(str(folder.at / "stack"))
     dialog.open()
     dialog.start()
@@ -71,7 +71,7 @@ def test_closing_a_busy_window_leaves_nothing(
     if start is not nothing_to_wait_for:
         open_in(own, qtbot, folder.table)
     start(own, folder, monkeypatch)
-    process, folders = own.client.process_id, own.client._store.folders
+    process, folders = own.bench.client.process_id, own.bench.client._store.folders
     workers = [worker._thread for worker in own.findChildren(NewestWins)]
     assert len(workers) >= 7
     if start is not nothing_to_wait_for:  # a thread starts with its first work
@@ -88,8 +88,8 @@ def test_a_window_closed_before_it_drew_leaves_nothing(
     qtbot: QtBot, tmp_path: Path, appearance: Appearance
 ) -> None:
     window = made(tmp_path, appearance)
-    qtbot.waitUntil(lambda: window.client.process_id != 0)
-    number, folders = window.client.process_id, window.client._store.folders
+    qtbot.waitUntil(lambda: window.bench.client.process_id != 0)
+    number, folders = window.bench.client.process_id, window.bench.client._store.folders
     discarded(window)
     assert not psutil.pid_exists(number)
     assert not any(folder.exists() for folder in folders)

@@ -32,35 +32,35 @@ from stepfield_app.render.scene import CLOUD, PILLARS, VIEWS
 
 def test_an_empty_window_offers_what_to_do(window: MainWindow) -> None:
     assert window.welcome.isVisible()
-    assert not window.trio.isVisible()
+    assert not window.bench.trio.isVisible()
     assert window.windowTitle() == "Stepfield"
     needing = ("close", "export", "iso", "fit", "crop", "profile line", "only cloud", "parallel")
-    assert not any(window.actions_[name].isEnabled() for name in needing)
-    assert all(window.actions_[name].isEnabled() for name in ("open", "demo", "quit", "keys", "about"))
-    assert not any(window.actions_[name].isEnabled() for name in ("undo", "redo"))
+    assert not any(window.commands[name].isEnabled() for name in needing)
+    assert all(window.commands[name].isEnabled() for name in ("open", "demo", "quit", "keys", "about"))
+    assert not any(window.commands[name].isEnabled() for name in ("undo", "redo"))
 
 
 def test_an_opened_scan_is_everywhere(opened: MainWindow, folder: Folder) -> None:
-    assert opened.trio.isVisible()
+    assert opened.bench.trio.isVisible()
     assert opened.windowTitle() == "table.npy – Stepfield"
     for view in VIEWS:
-        frame, canvas = opened.client.frame(view), opened.trio.canvases[view]
+        frame, canvas = opened.bench.client.frame(view), opened.bench.trio.canvases[view]
         assert frame is not None
         assert not frame.moving
         assert frame.covered > 500, f"the view {view} shows nothing"
         assert frame.pixels.shape[:2] == canvas.pixels[::-1]
-    assert opened.profile.section is not None, "a first profile shows what the panel is for"
-    assert len(opened.layers.model.visible_layers) >= 2
-    assert opened.actions_["export"].isEnabled()
+    assert opened.bench.profile.section is not None, "a first profile shows what the panel is for"
+    assert len(opened.bench.layers.model.visible_layers) >= 2
+    assert opened.commands["export"].isEnabled()
     assert opened.settings.recent[0] == (folder.table,)
     assert not sentences(opened)
 
 
 def test_what_is_under_the_cursor_is_what_lies_there(opened: MainWindow, qtbot: QtBot) -> None:
     """If it failed, the readout and the rotation centre would be beside the thing that is pointed at."""
-    opened.trio.look_from("top")
+    opened.bench.trio.look_from("top")
     qtbot.waitUntil(opened.is_settled)
-    canvas = opened.trio.canvases[PILLARS]
+    canvas = opened.bench.trio.canvases[PILLARS]
     for expected in ((3.6, 3.1, 1.0), (1.1, 1.2, 0.0)):
         place = canvas.place_at(canvas.pixel_of(expected))
         assert place is not None
@@ -72,30 +72,30 @@ def test_several_files_are_one_scan(window: MainWindow, folder: Folder, qtbot: Q
     np.save(other, table((10.0, 0.0, 0.0)))
     open_in(window, qtbot, folder.table, other)
     assert window.windowTitle() == "table.npy and 1 more – Stepfield"
-    assert window.document.facts is not None
-    assert window.document.facts.points == 2 * len(table())
+    assert window.bench.document.facts is not None
+    assert window.bench.document.facts.points == 2 * len(table())
     assert window.settings.recent[0] == (folder.table, other)
 
 
 def test_another_scan_takes_the_place_of_the_first(opened: MainWindow, folder: Folder, qtbot: QtBot) -> None:
-    opened.document.set_parameters("Alpha", alpha=0.7)
+    opened.bench.document.set_parameters("Alpha", alpha=0.7)
     open_in(opened, qtbot, folder.utm)
     assert opened.windowTitle() == "far & away.npy – Stepfield"
-    assert opened.document.undo_stack.count() == 0
-    assert opened.feeds.scene.origin == pytest.approx(UTM)
-    assert opened.profile.section is not None
-    assert opened.profile.section.start[0] == pytest.approx(UTM[0])
-    assert len(opened.profile.section.distance) > 10
+    assert opened.bench.document.undo_stack.count() == 0
+    assert opened.bench.feeds.scene.origin == pytest.approx(UTM)
+    assert opened.bench.profile.section is not None
+    assert opened.bench.profile.section.start[0] == pytest.approx(UTM[0])
+    assert len(opened.bench.profile.section.distance) > 10
     assert not sentences(opened)
 
 
 def test_a_project_opens_with_its_parameters(window: MainWindow, folder: Folder, qtbot: QtBot) -> None:
     file = folder.at / "work.stepfield"
     Project(scans=(ScanFile(path="table.npy"),), parameters=BASE).save(file)
-    with qtbot.waitSignal(window.document.opened):
+    with qtbot.waitSignal(window.bench.document.opened):
         window.open_scans([file])
-    assert window.document.scans == (folder.table,)
-    assert window.document.project.parameters == BASE
+    assert window.bench.document.scans == (folder.table,)
+    assert window.bench.document.project.parameters == BASE
 
 
 @pytest.mark.parametrize("name", ["broken.ply", "absent.laz", "broken.stepfield"])
@@ -104,11 +104,11 @@ def test_what_cannot_be_opened_leaves_everything_as_it_was(
 ) -> None:
     (folder.at / "broken.stepfield").write_text("{}")
     answer, title, camera = (
-        opened.document.answer,
+        opened.bench.document.answer,
         opened.windowTitle(),
-        opened.trio.viewpoint.camera.orbited(5, 5),
+        opened.bench.trio.viewpoint.camera.orbited(5, 5),
     )
-    opened.trio.viewpoint.look(camera)
+    opened.bench.trio.viewpoint.look(camera)
     opened.open_scans([folder.at / name])
     qtbot.waitUntil(lambda: bool(sentences(opened)))
     qtbot.waitUntil(opened.is_settled)
@@ -116,9 +116,9 @@ def test_what_cannot_be_opened_leaves_everything_as_it_was(
     assert name in sentences(opened)[0]
     assert "Traceback" not in sentences(opened)[0]
     assert isinstance(opened.trouble, StepfieldError)
-    assert opened.document.answer is answer
-    assert (opened.windowTitle(), opened.trio.viewpoint.camera) == (title, camera)
-    assert opened.trio.isVisible()
+    assert opened.bench.document.answer is answer
+    assert (opened.windowTitle(), opened.bench.trio.viewpoint.camera) == (title, camera)
+    assert opened.bench.trio.isVisible()
     assert folder.table in opened.settings.recent[0]
 
 
@@ -133,7 +133,7 @@ def test_a_message_goes_when_it_is_dismissed_with_a_key(
     for has_focus in (False, True):
         window.message_bar.tell("error", "Something is wrong.")
         button = window.message_bar.findChildren(QAbstractButton)[-1]
-        focused = button if has_focus else window.trio.canvases[CLOUD] if is_open else window.welcome
+        focused = button if has_focus else window.bench.trio.canvases[CLOUD] if is_open else window.welcome
         focused.setFocus()
         QTest.keyClick(focused, Qt.Key.Key_Escape)
         assert not sentences(window), "Esc did nothing" + " in the message" * has_focus
@@ -145,15 +145,15 @@ def test_a_load_can_be_cancelled(
     slow = folder.at / "slow.npy"
     np.save(slow, table())
     endless(monkeypatch, slow)
-    answer, files = opened.document.answer, stored(opened)
+    answer, files = opened.bench.document.answer, stored(opened)
     opened.open_scans([slow])
     qtbot.waitUntil(lambda: said_by_status(opened, "reading slow.npy"))
     stop = next(button for button in opened.status.findChildren(QAbstractButton) if button.isVisible())
     assert not opened.is_settled()
     stop.click()
     qtbot.waitUntil(opened.is_settled)
-    assert opened.document.answer is answer
-    assert opened.document.scans == (folder.table,)
+    assert opened.bench.document.answer is answer
+    assert opened.bench.document.scans == (folder.table,)
     assert opened.windowTitle() == "table.npy – Stepfield"
     assert not sentences(opened)
     assert not said_by_status(opened, "reading")
@@ -163,7 +163,7 @@ def test_a_load_can_be_cancelled(
 
 def stored(window: MainWindow) -> int:
     """Files that the window shares with the drawing process."""
-    return sum(len(list(folder.iterdir())) for folder in window.client._store.folders)
+    return sum(len(list(folder.iterdir())) for folder in window.bench.client._store.folders)
 
 
 def said_by_status(window: MainWindow, text: str) -> bool:
@@ -172,19 +172,19 @@ def said_by_status(window: MainWindow, text: str) -> bool:
 
 def test_recent_files_are_offered_and_open(opened: MainWindow, folder: Folder, qtbot: QtBot) -> None:
     open_in(opened, qtbot, folder.utm)
-    opened.document.close_scan()
+    opened.bench.document.close_scan()
     recent = next(menu for menu in opened.findChildren(QMenu) if menu.title() == "Open &recent")
     recent.aboutToShow.emit()
     texts = [action.text() for action in recent.actions() if action.text()]
     assert texts[:2] == ["far && away.npy", "table.npy"]
-    with qtbot.waitSignal(opened.document.opened):
+    with qtbot.waitSignal(opened.bench.document.opened):
         next(action for action in recent.actions() if action.text() == "table.npy").trigger()
-    assert opened.document.scans == (folder.table,)
+    assert opened.bench.document.scans == (folder.table,)
     forget = recent.actions()[-1]
     forget.trigger()
     recent.aboutToShow.emit()
     assert [action.text() for action in recent.actions()] == ["Nothing yet"]
-    opened.document.close_scan()
+    opened.bench.document.close_scan()
     assert not [
         button
         for button in opened.welcome.findChildren(QAbstractButton)
@@ -193,31 +193,31 @@ def test_recent_files_are_offered_and_open(opened: MainWindow, folder: Folder, q
 
 
 def test_a_closed_scan_leaves_an_empty_window(opened: MainWindow, qtbot: QtBot) -> None:
-    opened.actions_["crop"].setChecked(True)
-    opened.actions_["close"].trigger()
+    opened.commands["crop"].setChecked(True)
+    opened.commands["close"].trigger()
     qtbot.waitUntil(opened.is_settled)
     assert opened.welcome.isVisible()
     assert opened.windowTitle() == "Stepfield"
-    assert opened.map.line is None
-    assert opened.profile.section is None
-    assert opened.layers.model.rowCount() == 0
-    assert opened.document.undo_stack.count() == 0
-    assert opened.map.plot._empty_text
-    assert opened.histogram._empty_text
-    assert not any(opened.actions_[name].isChecked() for name in ("crop", "profile line"))
-    assert not opened.actions_["export"].isEnabled()
+    assert opened.bench.map.line is None
+    assert opened.bench.profile.section is None
+    assert opened.bench.layers.model.rowCount() == 0
+    assert opened.bench.document.undo_stack.count() == 0
+    assert opened.bench.map.plot._empty_text
+    assert opened.bench.histogram._empty_text
+    assert not any(opened.commands[name].isChecked() for name in ("crop", "profile line"))
+    assert not opened.commands["export"].isEnabled()
     figures = [label.text() for label in opened.status.findChildren(QLabel) if label.isVisible()]
     assert not any(figures), f"the status bar still says {figures}"
 
 
 def test_what_was_under_way_does_not_fill_an_empty_window(opened: MainWindow, qtbot: QtBot) -> None:
     """A picture that arrives after its scan was closed must not be shown."""
-    opened.feeds.plot._draw(0, "gray")
-    opened.feeds.plot._cut()
-    opened.document.close_scan()
+    opened.bench.feeds.plot._draw(0, "gray")
+    opened.bench.feeds.plot._cut()
+    opened.bench.document.close_scan()
     qtbot.waitUntil(opened.is_settled)
-    assert opened.map.plot._empty_text
-    assert opened.profile.section is None
+    assert opened.bench.map.plot._empty_text
+    assert opened.bench.profile.section is None
 
 
 # --- Dropping -----------------------------------------------------------------------------------------------
@@ -240,17 +240,17 @@ def drop(widget: QWidget, *files: Path) -> bool:
 
 def places(window: MainWindow, is_open: bool) -> dict[str, QWidget]:
     found: dict[str, QWidget] = {
-        "parameters": window.parameters,
-        "a number": window.parameters.findChildren(QAbstractSpinBox)[0],
-        "layers": window.layers,
-        "list of layers": window.layers.view.viewport(),
-        "map": window.map.plot.viewport(),
-        "profile": window.profile.plot.viewport(),
-        "histogram": window.histogram.viewport(),
+        "parameters": window.bench.parameters,
+        "a number": window.bench.parameters.findChildren(QAbstractSpinBox)[0],
+        "layers": window.bench.layers,
+        "list of layers": window.bench.layers.view.viewport(),
+        "map": window.bench.map.plot.viewport(),
+        "profile": window.bench.profile.plot.viewport(),
+        "histogram": window.bench.histogram.viewport(),
         "status bar": window.status,
     }
     if is_open:
-        return found | {view: window.trio.canvases[view] for view in VIEWS}
+        return found | {view: window.bench.trio.canvases[view] for view in VIEWS}
     return found | {"welcome page": window.welcome}
 
 
@@ -261,7 +261,7 @@ def test_a_scan_can_be_dropped_anywhere(
     if is_open:
         open_in(window, qtbot, folder.table)
     taken: list[Any] = []
-    monkeypatch.setattr(window.document, "open", lambda files, parameters: taken.append(files))
+    monkeypatch.setattr(window.bench.document, "open", lambda files, parameters: taken.append(files))
     for name, widget in places(window, is_open).items():
         taken.clear()
         assert drop(widget, folder.utm, folder.at / "notes.md"), f"{name} refuses a scan"

@@ -57,8 +57,8 @@ def discarded(window: MainWindow) -> None:
 
 
 def open_in(window: MainWindow, qtbot: QtBot, *files: Path) -> MainWindow:
-    window.document.file.give_up()  # no question about earlier edits
-    with qtbot.waitSignal(window.document.opened):
+    window.bench.document.file.give_up()  # no question about earlier edits
+    with qtbot.waitSignal(window.bench.document.opened):
         window.open_scans(files, BASE)
     qtbot.waitUntil(window.is_settled)
     return window
