@@ -1,8 +1,9 @@
-"""``python -m stepfield_app [SCAN...]``: the window without the command line."""
+"""``python -m stepfield_app`` is the ``stepfield view`` command."""
 
 import sys
-from pathlib import Path
 
-from stepfield_app.application import run
+from stepfield.cli import main
 
-sys.exit(run([Path(name) for name in sys.argv[1:]]))
+if __name__ == "__main__":
+    sys.argv.insert(1, "view")
+    main()

@@ -164,6 +164,24 @@ def test_a_picture_that_cannot_be_made_is_one_sentence(tmp_path: Path) -> None:
     assert len(told(done.stderr).splitlines()) == 1
 
 
+def test_the_package_of_the_window_is_the_view_command(tmp_path: Path) -> None:
+    """It took every word for a scan, ``--help`` too, and told of errors by a traceback."""
+    for words, code, said in (
+        (["--help"], 0, "stepfield view"),
+        (["absent.npy", "--screenshot", "a.png"], 1, ""),
+    ):
+        done = subprocess.run(
+            [sys.executable, "-m", "stepfield_app", *words],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == code
+        assert said in done.stdout
+        assert "Traceback" not in done.stderr
+
+
 def test_nowhere_to_open_a_window_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"):
         monkeypatch.delenv(name, raising=False)
