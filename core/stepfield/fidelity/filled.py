@@ -59,6 +59,10 @@ class FilledFigures:
         }
 
 
+#: Of obstacles: between walls nothing is left open that could be ground.
+NO_FIGURES = FilledFigures(0, 0.0, 0, 0, 0.0, None)
+
+
 def filled_figures(
     grid: Grid,
     layers: Layers,
@@ -124,6 +128,8 @@ def with_truth(
 def _figures(
     grid: Grid, layers: list[Ground], number: int, filled: Filled, method: Method, clearance: float
 ) -> FilledFigures:
+    if not layers[number].is_filled:
+        return NO_FIGURES
     found, cell = holes(grid, layers[number].compartment), grid.cell_size**2
     is_left = np.isin(found.compartment, filled.compartment, assume_unique=True, invert=True)
     left, pixels, hidden = len(np.unique(found.region[is_left])), len(filled.compartment), None

@@ -98,6 +98,18 @@ def test_a_hole_with_another_layer_in_the_way_is_left_open_in_part() -> None:
     assert (above.pixels, above.hidden) == (0, None)
 
 
+def test_between_obstacles_nothing_is_left_open() -> None:
+    """Four walls around a yard are no hole that somebody forgot to fill."""
+    walls = np.full((SIDE, SIDE), np.nan)
+    walls[20:24, 20:24] = 3.0
+    walls[21:23, 21:23] = np.nan
+    layers = [layer(with_holes(slope())), layer(walls)]
+    nothing = Filled(np.zeros(0, np.int64), np.zeros(0))
+    bottoms = {1: layers[1][1] - 3}
+    ground_of, walls_of = filled_figures(GRID, layers, bottoms, [nothing] * 2, "linear", CLEARANCE)
+    assert (ground_of.open, walls_of.open) == (25, 0)
+
+
 @pytest.mark.parametrize(("method", "most"), [("nearest", 0.45), ("linear", 1e-9), ("inpaint", 1e-6)])
 def test_on_a_slope_only_the_nearest_pillar_is_off(method: Method, most: float) -> None:
     """Two compartments from the rim are 0.4 m along the slope: that, and no less, is what to expect."""
