@@ -20,7 +20,7 @@ from stepfield.complex_parts.job import Job
 from stepfield.complex_parts.pivoting import pivoted
 from stepfield.complex_parts.points import owned_points
 from stepfield.complex_parts.process import mesh_apart
-from stepfield.complex_parts.reducing import distances
+from stepfield.complex_parts.reducing import distances, reduced
 from stepfield.complex_parts.residuals import residuals
 from stepfield.complex_parts.thinning import Thinning
 from stepfield.errors import Cancelled, StackError, StepfieldError
@@ -288,6 +288,28 @@ def test_a_reduced_mesh_is_drawn_to_the_points() -> None:
     assert near < rough / 2
     assert np.array_equal(after.triangles, before.triangles)
     assert np.abs(after.vertices - before.vertices).max() < 0.1
+
+
+def test_what_is_rough_keeps_its_triangles_and_what_is_flat_does_not() -> None:
+    """A share that is the same everywhere wastes triangles on walls and takes from rubble what shapes it."""
+    places, triangles = bowl(41)
+    flat = places * [1.0, 1.0, 0.0]
+    rough = flat + RNG(5).normal(0, 0.05, flat.shape) * [0.0, 0.0, 1.0]  # as wide as the points are apart
+    plain, shaped = (reduced(Mesh(each, triangles), 0.05) for each in (flat, rough))
+    assert len(plain.triangles) < len(triangles) / 20
+    assert len(shaped.triangles) > len(triangles) / 5
+
+
+@pytest.mark.parametrize("unit", [0.001, 1000.0])
+def test_reducing_knows_no_unit(unit: float) -> None:
+    """The same scene in millimetres is the same shape; Open3D by itself leaves out other triangles of it."""
+    places, triangles = bowl(41)
+    places += RNG(6).normal(0, 0.02, places.shape)
+    usual, scaled = (
+        reduced(Mesh(places, triangles), 0.05),
+        reduced(Mesh(places * unit, triangles), 0.05 * unit),
+    )
+    assert len(scaled.triangles) == pytest.approx(len(usual.triangles), rel=0.01)
 
 
 def test_points_far_from_a_mesh_do_not_draw_it() -> None:

@@ -31,7 +31,7 @@ def do(job: Job, progress: Progress) -> Done:
     o3d.utility.set_verbosity_level(o3d.utility.VerbosityLevel.Error)
     triangles = pivoted(job.points, job.spacing, part(progress, 0, 0.8))
     progress(0.8, "reducing complex parts")
-    mesh = reduced(Mesh(job.points, triangles))
+    mesh = reduced(Mesh(job.points, triangles), job.spacing)
     progress(0.85, "fitting complex parts")
     mesh = fitted(mesh, job.points, job.spacing)
     progress(0.95, "measuring complex parts")
