@@ -10,8 +10,11 @@ import numpy as np
 import open3d as o3d
 from numpy.typing import NDArray
 
-from stepfield.complex_parts.pivoting import pivoted
+from stepfield.complex_parts.fitting import fitted
+from stepfield.complex_parts.pivoting import _joined, pivoted
+from stepfield.complex_parts.reducing import reduced
 from stepfield.complex_parts.thinning import Thinning
+from stepfield.progress import silent
 from stepfield.surface import Mesh
 
 Floats = NDArray[np.float64]
@@ -36,8 +39,18 @@ def ball_pivoting(points: Floats, spacing: float) -> Mesh:
 
 
 def full_ball_pivoting(points: Floats, spacing: float) -> Mesh:
-    """Mesh a whole scan."""
+    """Mesh a whole scan as complex parts are meshed: sparse parts beside dense ones too."""
     return Mesh(points, pivoted(points, spacing, radii=FULL_RADII))
+
+
+def full_once(points: Floats, spacing: float) -> Mesh:
+    """Mesh a whole scan as Open3D does when it is called once, with all the balls."""
+    return Mesh(points, _joined(points, spacing, FULL_RADII, silent))
+
+
+def thinned(mesh: Mesh, points: Floats, spacing: float, wanted: int) -> Mesh:
+    """Leave so many triangles of a mesh, and draw it to points, as complex parts are."""
+    return fitted(reduced(mesh, spacing, wanted=wanted, cost=np.inf), evened(points, spacing), spacing)
 
 
 def poisson(points: Floats, spacing: float) -> Mesh:
