@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.grid import Grid
+from stepfield.inpainting import inpainted
+from stepfield.progress import Progress, part, silent
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -69,7 +71,12 @@ class Ground:
 
 
 def fill(
-    grid: Grid, layers: Sequence[Ground], method: Method, size: float, clearance: float
+    grid: Grid,
+    layers: Sequence[Ground],
+    method: Method,
+    size: float,
+    clearance: float,
+    progress: Progress = silent,
 ) -> tuple[Filled, ...]:
     """Fill the holes of layers, the lowest layer first.
 
@@ -86,6 +93,8 @@ def fill(
     clearance : float
         Least vertical distance from what other layers have in the same compartment, metres. Layers stay in
         order: what is filled lies above all that lower layers have there, and below the higher ones.
+    progress : Progress
+        Asked between layers, and between the holes of one where they take long.
 
     Returns
     -------
@@ -94,11 +103,13 @@ def fill(
     """
     made: list[Filled] = []
     for index, layer in enumerate(layers):
+        own = part(progress, index / len(layers), (index + 1) / len(layers))
+        own(0.0, "filling holes")
         hole = _holes(grid, layer.compartment, size) if layer.is_filled else np.zeros(0, np.int64)
         if not len(hole):
             made.append(NOTHING)
             continue
-        elevation = elevations_in(grid, layer, hole, method)
+        elevation = elevations_in(grid, layer, hole, method, own)
         fits = fitting(layers, index, hole, elevation, clearance)
         for filled in made:
             lower = Ground(filled.compartment, filled.elevation, filled.elevation)
@@ -107,9 +118,14 @@ def fill(
     return tuple(made)
 
 
-def elevations_in(grid: Grid, layer: Ground, hole: Integers, method: Method) -> Floats:
+def elevations_in(
+    grid: Grid, layer: Ground, hole: Integers, method: Method, progress: Progress = silent
+) -> Floats:
     """Return what a method makes of the compartments of a layer's holes, whatever other layers have there."""
-    elevation: Floats = np.clip(_METHODS[method](grid, layer, hole), layer.top.min(), layer.top.max())
+    made = (
+        _inpaint(grid, layer, hole, progress) if method == "inpaint" else _METHODS[method](grid, layer, hole)
+    )
+    elevation: Floats = np.clip(made, layer.top.min(), layer.top.max())
     return elevation
 
 
@@ -204,14 +220,11 @@ def _spanned(raster: Floats, row: Integers, column: Integers) -> tuple[Floats, I
     return spanned, after - before
 
 
-def _inpaint(grid: Grid, layer: Ground, hole: Integers) -> Floats:
-    """Solve one hole after the other; what is empty beyond it counts as high as the nearest pillar."""
-    from skimage.restoration import inpaint_biharmonic
-
+def _inpaint(grid: Grid, layer: Ground, hole: Integers, progress: Progress) -> Floats:
+    """Continue slopes; what is empty beyond a hole counts as high as the nearest pillar."""
     raster, is_hole = _everywhere(_raster(grid, layer)), np.zeros((grid.rows, grid.columns), bool)
     is_hole.ravel()[hole] = True
-    solved: Floats = inpaint_biharmonic(raster, is_hole, split_into_regions=True)
-    return solved.ravel()[hole]
+    return inpainted(raster, is_hole, progress).ravel()[hole]
 
 
-_METHODS = {"nearest": _nearest, "linear": _linear, "inpaint": _inpaint}
+_METHODS = {"nearest": _nearest, "linear": _linear}

@@ -108,8 +108,7 @@ class Pipeline:
         edited = self._edited(field, automatic, moves, part(progress, 0.85, 0.95))
         links = self._linked(field, edited, parameters)
         members = self._members(field, edited)
-        progress(0.96, "filling holes")
-        filled = self._filled(field, members, parameters)
+        filled = self._filled(field, members, parameters, part(progress, 0.96, 1.0))
         alpha = _metres(parameters.alpha)
         names = edited.made.names | {style.index: style.name for style in styles if style.name}
         progress(1.0, "done")
@@ -250,14 +249,19 @@ class Pipeline:
         return self._once("members", edited, (), lambda: cutting.members(edited.made.layering))
 
     def _filled(
-        self, field: Stage[StepField], members: Stage[list[Members]], parameters: Parameters
+        self,
+        field: Stage[StepField],
+        members: Stage[list[Members]],
+        parameters: Parameters,
+        progress: Progress,
     ) -> tuple[Filled, ...]:
         """Fill the holes of the layers; no other stage is made from it."""
         chosen = (parameters.fill, parameters.fill_size, parameters.layer_tolerance)
         if parameters.fill == "none":
             chosen = ("none", 0.0, 0.0)
+        progress(0.0, "filling holes")
         return self._once(
-            "filled", members, chosen, lambda: filled_of(field.made, members.made, parameters)
+            "filled", members, chosen, lambda: filled_of(field.made, members.made, parameters, progress)
         ).made
 
     def _linked(self, field: Stage[StepField], edited: Stage[Edited], parameters: Parameters) -> Links:

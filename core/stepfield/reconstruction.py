@@ -17,6 +17,7 @@ from stepfield.links import Links
 from stepfield.moves import Outcome
 from stepfield.parameters import Parameters
 from stepfield.pillars import StepField
+from stepfield.progress import Progress, silent
 from stepfield.scan import Scan
 
 Floats = NDArray[np.float64]
@@ -194,7 +195,9 @@ def members_of(field: StepField, layering: Layering) -> list[Members]:
     return Cutting(field).members(layering)
 
 
-def filled_of(field: StepField, members: Sequence[Members], parameters: Parameters) -> tuple[Filled, ...]:
+def filled_of(
+    field: StepField, members: Sequence[Members], parameters: Parameters, progress: Progress = silent
+) -> tuple[Filled, ...]:
     """Fill the holes of the layers that are surfaces, as the parameters say."""
     if parameters.fill == "none":
         return (NOTHING,) * len(members)
@@ -208,7 +211,7 @@ def filled_of(field: StepField, members: Sequence[Members], parameters: Paramete
         for member in members
     ]
     size, clearance = float(parameters.fill_size), float(parameters.layer_tolerance)
-    return fill(field.compartments.grid, grounds, parameters.fill, size, clearance)
+    return fill(field.compartments.grid, grounds, parameters.fill, size, clearance, progress)
 
 
 def layers_of(
