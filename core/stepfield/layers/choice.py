@@ -34,14 +34,16 @@ def layer_count(
 
 def strongest(field: StepField, enough: NDArray[np.bool_], count: int) -> Integers:
     """Indices of the at most ``count`` pillars a compartment keeps: most points first, ties to the lower."""
-    chosen = np.flatnonzero(enough)
-    if _held(field, enough).max() <= count:
-        return chosen
-    compartment = field.compartment[chosen]
-    order = np.lexsort((field.rank[chosen], -field.points[chosen], compartment))
+    held = _held(field, enough)
+    crowded = enough & np.repeat(held > count, np.diff(field.first))
+    amid = np.flatnonzero(crowded)
+    compartment = field.compartment[amid]
+    order = np.lexsort((field.rank[amid], -field.points[amid], compartment))
     starts = np.flatnonzero(np.diff(compartment[order], prepend=-1))
     place = np.arange(len(order)) - np.repeat(starts, np.diff(np.append(starts, len(order))))
-    return np.sort(chosen[order[place < count]])
+    chosen = enough & ~crowded
+    chosen[amid[order[place < count]]] = True
+    return np.flatnonzero(chosen)
 
 
 def _held(field: StepField, enough: NDArray[np.bool_]) -> Integers:
