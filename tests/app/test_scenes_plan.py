@@ -13,8 +13,9 @@ from stepfield.reconstruction import Reconstruction
 from stepfield_app.ramps import ramp
 from stepfield_app.scenes import histogram
 from stepfield_app.scenes.cloud import Cloud, cloud
+from stepfield_app.scenes.paled import PALE
 from stepfield_app.scenes.palette import layer_codes, layer_colours
-from stepfield_app.scenes.raster import AMBIENT, PALE, Mode, elevations, hillshade, raster, thumbnails
+from stepfield_app.scenes.raster import AMBIENT, Mode, elevations, hillshade, raster, thumbnails
 from stepfield_app.scenes.readout import compartment_at, pillars_at
 from stepfield_app.scenes.section import Section, band
 from stepfield_app.scenes.section import section as section_of

@@ -102,3 +102,23 @@ def made_with_a_hole(folder: Path, fill: str) -> Reconstruction:
     return reconstruct(
         folder, points[~is_hole], cell_size=0.5, layer_tolerance=0.3, alpha=0.5, fill=fill, layering="rank"
     )
+
+
+@pytest.mark.parametrize("way", ["edges", "simulator"])
+def test_what_was_filled_looks_like_nothing_measured(tmp_path: Path, way: Way) -> None:
+    """An operator would take heights that nobody measured for a part of the scan."""
+    points = table()
+    hole = (points[:, 0] > 6) & (points[:, 0] < 7) & (points[:, 1] > 2) & (points[:, 1] < 3)
+    names = {"cell_size": 0.5, "layer_tolerance": 0.3, "alpha": 0.5}
+    result = reconstruct(tmp_path, points[~hole], fill="linear", **names)
+    assert len(result.layers[0].filled.compartment) == 4
+    for mesh in surfaces(result, origin(result), COLOURS, (0,), way)[:1]:
+        cyan = mesh.colours[:, 0] > COLOURS[0, 0]
+        corners = mesh.vertices[cyan, :2]
+        side = 0.0 if way == "edges" else 0.25
+        assert corners.min(axis=0).tolist() == pytest.approx([6 - side, 2 - side])
+        assert corners.max(axis=0).tolist() == pytest.approx([7 + side, 3 + side])
+        coloured = cyan[mesh.triangles]
+        assert (coloured.all(axis=1) == coloured.any(axis=1)).all(), "the colour bleeds over the rim"
+    plain = surfaces(reconstruct(tmp_path, points[~hole], **names), origin(result), COLOURS, (0,), way)[0]
+    assert (plain.colours[:, 0] <= COLOURS[0, 0]).all()

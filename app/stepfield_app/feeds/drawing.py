@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from stepfield.layers import UNASSIGNED
 from stepfield.progress import Progress
-from stepfield.reconstruction import Reconstruction
 from stepfield.scan import Scan
 from stepfield_app.feeds.wish import Drawn, Picture, Wish
 from stepfield_app.ramps import ramp
@@ -24,7 +23,7 @@ from stepfield_app.scenes.complex_parts import complex_mesh
 from stepfield_app.scenes.ground import crosses, ground
 from stepfield_app.scenes.legend import Legend
 from stepfield_app.scenes.thinned import stride_for
-from stepfield_app.theme import COMPLEX_COLOUR, rgb
+from stepfield_app.theme import COMPLEX_COLOUR, FILLED_COLOUR, rgb
 from stepfield_app.wording import counted
 
 Array = NDArray[Any]
@@ -167,7 +166,7 @@ class Drawing:
         meshed = wish.meshed if is_layers else None
         key = wish.result, mode, wish.colours, wish.visible, detail, meshed
         meshes = self._once(view, key, lambda: tuple(self._shared(mesh) for mesh in make()))
-        legend = _heights(wish.result) if mode == "height" else _layers(wish, view)
+        legend = _heights(wish, view) if mode == "height" else _layers(wish, view)
         return Picture(_scene(wish, self._shown(wish), meshes=meshes), legend)
 
     def _shared(self, mesh: Triangles) -> Triangles:
@@ -223,9 +222,10 @@ def _scene(
     return Scene(points, meshes, lines, low, high)
 
 
-def _heights(result: Reconstruction) -> Legend:
-    low, high = blocks.height_range(result)
-    return Legend("Elevation", "m", ramp("height"), low=low, high=high)
+def _heights(wish: Wish, view: str) -> Legend:
+    low, high = blocks.height_range(wish.result)
+    note = "cyan: filled" if _shows_filled(wish, view) else ""
+    return Legend("Elevation", "m", ramp("height"), low=low, high=high, note=note)
 
 
 def _layers(wish: Wish, view: str) -> Legend:
@@ -240,4 +240,13 @@ def _layers(wish: Wish, view: str) -> Legend:
         entries.append(((red, green, blue), names[index]))
     if wish.meshed is not None and view == RECONSTRUCTION:
         entries.insert(0, (rgb(COMPLEX_COLOUR), f"Complex: {counted(wish.meshed.parts.count, 'pillar')}"))
+    if _shows_filled(wish, view):
+        entries.append((rgb(FILLED_COLOUR), "Filled"))
     return Legend("Layer", entries=tuple(entries))
+
+
+def _shows_filled(wish: Wish, view: str) -> bool:
+    """Whether anything that was filled is drawn."""
+    if view != RECONSTRUCTION or wish.way == "pillars":
+        return False
+    return any(len(layer.filled.compartment) for layer in wish.result.layers if layer.index in wish.visible)

@@ -19,8 +19,9 @@ from stepfield.reconstruction import Reconstruction
 from stepfield_app.ramps import ramp
 from stepfield_app.scenes.arrays import frozen, robust_range, steps
 from stepfield_app.scenes.legend import Legend
+from stepfield_app.scenes.paled import paled
 from stepfield_app.scenes.thinned import Pixels, filled, pixels
-from stepfield_app.theme import FILLED_COLOUR, WALL_COLOUR, rgb
+from stepfield_app.theme import WALL_COLOUR, rgb
 
 Bytes = NDArray[np.uint8]
 Singles = NDArray[np.float32]
@@ -32,8 +33,6 @@ Mode = Literal["gray", "colour", "hillshade"]
 LIGHT = (-0.5, 0.5, 0.7071)
 #: Every so manieth diagonal of a wall's pixels is hatched.
 HATCH = 2
-#: How much what was filled has of a colour that is far from all that heights have, lit or in shadow.
-PALE = 0.65
 #: Light that a slope facing away still has.
 AMBIENT = 0.35
 
@@ -101,8 +100,7 @@ def raster(
 def _pale(colours: Bytes, holes: Pixels) -> bool:
     """Make what was filled cyan, as nothing measured is, in place; tell whether there is any."""
     row, column = holes.grid.row_column(holes.compartment)
-    pale = colours[row, column] * (1 - PALE) + np.array(rgb(FILLED_COLOUR)) * PALE
-    colours[row, column] = np.rint(pale).astype(np.uint8)
+    colours[row, column] = paled(colours[row, column])
     return bool(len(holes.compartment))
 
 

@@ -14,6 +14,7 @@ from stepfield_app.ramps import ramp
 from stepfield_app.render.scene import Triangles
 from stepfield_app.scenes.arrays import frozen, steps
 from stepfield_app.scenes.blocks import local_span, meshes
+from stepfield_app.scenes.paled import on_filled, paled
 from stepfield_app.scenes.stacks import own_columns, solids
 from stepfield_app.scenes.thinned import pooled, stride_for, with_filled
 
@@ -21,6 +22,7 @@ Bytes = NDArray[np.uint8]
 Singles = NDArray[np.float32]
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 Way = Literal["edges", "simulator", "pillars"]
 Mode = Literal["layer", "height"]
 
@@ -87,7 +89,7 @@ def surfaces(
     made = _covering(result, finest, sampled) if way == "edges" else _simulated(result, indices, finest)
     return tuple(
         merged(
-            [_drawn(each[index], corner, colours[index], span) for index in indices]
+            [_drawn(each[index], result, index, corner, colours[index], span) for index in indices]
             + [levels[min(level, len(levels) - 1)] for levels in walls]
         )
         for level, each in enumerate(made)
@@ -135,13 +137,36 @@ def merged(parts: Collection[Triangles]) -> Triangles:
     )
 
 
-def _drawn(mesh: Mesh, corner: Floats, colour: Bytes, span: tuple[float, float] | None) -> Triangles:
+def _drawn(
+    mesh: Mesh,
+    result: Reconstruction,
+    index: int,
+    corner: Floats,
+    colour: Bytes,
+    span: tuple[float, float] | None,
+) -> Triangles:
     """Colour a layer; ``corner`` is the origin, at elevations above the lowest point."""
-    mesh = _creased(mesh)
+    mesh, layer = _creased(mesh), result.layers[index]
     vertices = (mesh.vertices - corner).astype(np.float32)
     triangles = mesh.triangles.astype(np.int32)
     base = colour if span is None else ramp("height")[steps(vertices[:, 2], *span, 256)]
-    return shaded(vertices, triangles, base)
+    drawn = shaded(vertices, triangles, base)
+    if not len(layer.filled.compartment):
+        return drawn
+    middles = mesh.vertices[mesh.triangles].mean(axis=1)[:, :2]
+    return _with_paled(drawn, on_filled(result, layer, middles) & ~_upright(mesh))
+
+
+def _with_paled(drawn: Triangles, chosen: Flags) -> Triangles:
+    """Give triangles over what was filled its colour, and vertices of their own, so that it ends there."""
+    own = drawn.triangles[chosen].ravel()
+    triangles = drawn.triangles.copy()
+    triangles[chosen] = np.arange(len(own), dtype=np.int32).reshape(-1, 3) + np.int32(len(drawn.vertices))
+    return Triangles(
+        frozen(np.concatenate([drawn.vertices, drawn.vertices[own]])),
+        frozen(triangles),
+        frozen(np.concatenate([drawn.colours, paled(drawn.colours[own])])),
+    )
 
 
 def shaded(
@@ -155,9 +180,7 @@ def shaded(
 
 def _creased(mesh: Mesh) -> Mesh:
     """Give upright triangles vertices of their own, so that light does not bleed around a step."""
-    a, b, c = (mesh.vertices[mesh.triangles[:, i], :2] for i in range(3))
-    across, along = b - a, c - a
-    is_upright = np.abs(across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0]) < 1e-12
+    is_upright = _upright(mesh)
     own = mesh.triangles[is_upright].ravel()
     if not len(own):
         return mesh
@@ -166,6 +189,14 @@ def _creased(mesh: Mesh) -> Mesh:
         np.concatenate([mesh.vertices, mesh.vertices[own]]),
         np.concatenate([mesh.triangles[~is_upright], number]),
     )
+
+
+def _upright(mesh: Mesh) -> Flags:
+    """Tell which triangles are upright."""
+    a, b, c = (mesh.vertices[mesh.triangles[:, i], :2] for i in range(3))
+    across, along = b - a, c - a
+    upright: Flags = np.abs(across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0]) < 1e-12
+    return upright
 
 
 def _light(vertices: Singles, triangles: NDArray[np.int32], *, both_sides: bool) -> Singles:
