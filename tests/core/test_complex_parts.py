@@ -246,6 +246,16 @@ def test_sparse_parts_are_meshed_beside_dense_ones() -> None:
     assert (is_sparse.all(axis=1) == is_sparse.any(axis=1)).all()  # nothing spans the gap between them
 
 
+def test_a_gap_between_dense_parts_stays_open() -> None:
+    """A robot would drive over a pit that a wide ball closed, though everything around it was seen."""
+    x, y = (each.ravel() for each in np.meshgrid(np.arange(40.0), np.arange(30.0)))
+    x[x >= 20] += 5
+    points = np.column_stack([x, y, 0.1 * np.sin(x) + 0.1 * np.cos(2 * y)]) * 0.1
+    side = points[pivoted(points, 0.1)][:, :, 0] > 2.2
+    assert side.any()
+    assert (side.all(axis=1) == side.any(axis=1)).all()
+
+
 def test_a_stopped_build_ends_its_process(result: Reconstruction) -> None:
     """Else a cancelled export would go on using a processor."""
 

@@ -1,7 +1,7 @@
 """Evened-out points -> triangles, by ball pivoting in tiles that overlap. Open3D is loaded here only.
 
 Ball pivoting was chosen by measurement (tests/benchmarks/test_complex.py prints it): on rubble and on pipes
-it follows the points most closely, with a third of the triangles and of the time of Poisson reconstruction,
+it follows the points most closely, with a third of the triangles and half the time of Poisson reconstruction,
 which gives the same triangles every time on one thread only; alpha shapes fill what is hollow, a tenth of
 their surface is far from any point. What no ball reaches, single points far from all others, it leaves out:
 pillars stay there.
@@ -40,7 +40,9 @@ def pivoted(
     """Join points to triangles.
 
     Open3D begins no new piece with a wider ball while that one still widens an old piece, so what is sparse
-    would be missed wherever something dense is: points that are left are joined again, by the wider balls.
+    would be missed wherever something dense is: points that are left are joined again, by the next wider
+    balls. Each time those are two, one to begin and one to close gaps: the widest at the rims of dense pieces
+    would bridge what is open.
 
     Every tile is meshed with what lies around it and keeps the triangles that touch its own points, so that
     neighbouring tiles overlap and no crack opens; a triangle that both have is kept once.
@@ -64,7 +66,8 @@ def pivoted(
         is_left[found] = False
         left = np.flatnonzero(is_left)
         again = part(progress, 1 - REST**number, 1 - REST ** (number + 1))
-        found = np.concatenate([found, left[_joined(points[left], spacing, radii[number:], again)]])
+        balls = radii[number : number + 2]
+        found = np.concatenate([found, left[_joined(points[left], spacing, balls, again)]])
     return found
 
 
