@@ -21,8 +21,10 @@ LEFT_WIDTH, RIGHT_WIDTH, BOTTOM_SHARE = 296, 272, 0.36
 WIDE = 1400
 #: Map and profile share a place where there are fewer pixels for both.
 SIDE_BY_SIDE = 600
-#: Height of the figures of fidelity with their strip: all of them can be seen.
-FIDELITY_HEIGHT = 240
+#: Height of the figures of fidelity with their strip, all of them to be seen, and of those of filled holes.
+FIDELITY_HEIGHT, FILLED_HEIGHT = 204, 36
+#: Windows lower than this keep that room for rows of layers while nothing is filled: figures can be scrolled.
+HIGH = 800
 #: Height of menu, tools, tabs, status and what parts the panels: of docks that are promised more than there
 #: is, each gets less.
 BARS_HEIGHT = 128
@@ -220,9 +222,9 @@ def arrange(window: QMainWindow, docks: Docks) -> None:
     window.resizeDocks(
         [docks.parameters, docks.elevations], [int(height * 0.6), int(height * 0.4)], Qt.Orientation.Vertical
     )
-    below = max(int(height * 0.3) - FIDELITY_HEIGHT // 2, LEAST_HISTORY)
-    room = height - BARS_HEIGHT
-    shares = [room - FIDELITY_HEIGHT - below, FIDELITY_HEIGHT, below]
+    figures = FIDELITY_HEIGHT + (FILLED_HEIGHT if height >= HIGH else 0)
+    below = max(int(height * 0.3) - figures // 2, LEAST_HISTORY)
+    shares = [height - BARS_HEIGHT - figures - below, figures, below]
     window.resizeDocks([docks.layers, docks.fidelity, docks.history], shares, Qt.Orientation.Vertical)
 
 

@@ -15,6 +15,7 @@ from tests.app.window.whole import Folder, discarded, open_in, picture, sentence
 
 from stepfield_app.appearance import Appearance
 from stepfield_app.main_window import MainWindow
+from stepfield_app.panels.fidelity import FILLED
 from stepfield_app.panels.rows import LABEL_WIDTH
 from stepfield_app.render.scene import CLOUD, PILLARS, VIEWS
 from stepfield_app.settings import Settings
@@ -160,18 +161,22 @@ def test_f_in_a_plot_fits_the_plot(opened: MainWindow) -> None:
     assert opened.bench.trio.viewpoint.camera == camera
 
 
-def test_a_small_window_shows_every_figure(
+def test_a_small_window_shows_every_figure_and_four_layers(
     qtbot: QtBot, appearance: Appearance, folder: Folder, tmp_path: Path
 ) -> None:
-    """If it failed, the last figures would have to be scrolled to, and those of what was filled be cut."""
+    """If it failed, the last figures would have to be scrolled to, or layers; or what was filled be cut."""
     settings = Settings(QSettings(str(tmp_path / "settings.ini"), QSettings.Format.IniFormat))
     window = MainWindow(appearance, settings, size=(1280, 720))
     window.show()
     open_in(window, qtbot, folder.table)
+    figures, rows = window.bench.fidelity.values, window.bench.layers.view
+    for name, value in figures.items():
+        if name not in FILLED:
+            assert value.visibleRegion().boundingRect() == value.rect(), f"{name} is cut"
+    assert rows.viewport().height() >= 4 * rows.sizeHintForRow(0)
     window.bench.document.set_parameters("Fill holes", fill="linear")
     qtbot.waitUntil(window.is_settled)
-    for name, value in window.bench.fidelity.values.items():
-        assert value.visibleRegion().boundingRect() == value.rect(), f"{name} is cut"
+    for name, value in figures.items():
         assert value.sizeHint().width() <= value.width(), f"{name} is too wide"
     for label in window.bench.parameters.findChildren(QLabel):
         if label.buddy() is not None:  # a name, and the room that is left to it beside the boxes
