@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepfield.grid import Grid
+from stepfield.holes import Holes, holes
 from stepfield.inpainting import inpainted
 from stepfield.progress import Progress, part, silent
 
@@ -105,7 +106,9 @@ def fill(
     for index, layer in enumerate(layers):
         own = part(progress, index / len(layers), (index + 1) / len(layers))
         own(0.0, "filling holes")
-        hole = _holes(grid, layer.compartment, size) if layer.is_filled else np.zeros(0, np.int64)
+        hole = (
+            _short(grid, holes(grid, layer.compartment), size) if layer.is_filled else np.zeros(0, np.int64)
+        )
         if not len(hole):
             made.append(NOTHING)
             continue
@@ -153,30 +156,16 @@ def _fits(hole: Integers, elevation: Floats, ground: Ground, order: int, clearan
     return is_alone | (is_above if order > 0 else is_below)
 
 
-def _holes(grid: Grid, compartment: Integers, size: float) -> Integers:
-    """Find the compartments of all holes that are no longer than ``size``, ascending."""
-    if not len(compartment):
-        return np.zeros(0, np.int64)
-    from scipy.ndimage import label
-
-    empty = np.ones((grid.rows, grid.columns), bool)
-    empty.ravel()[compartment] = False
-    region, _ = label(empty)
-    rim = np.concatenate([region[0], region[-1], region[:, 0], region[:, -1]])
-    is_hole = np.ones(int(region.max()) + 1, bool)
-    is_hole[rim] = is_hole[0] = False
-    inside = np.flatnonzero(is_hole[region.ravel()])
-    inside = inside[np.argsort(region.ravel()[inside], kind="stable")]
-    if not len(inside):
-        return inside
-    number = region.ravel()[inside]
-    first = np.flatnonzero(np.diff(number, prepend=-1))
-    spans = [
-        np.maximum.reduceat(at, first) - np.minimum.reduceat(at, first) + 1 for at in grid.row_column(inside)
-    ]
-    is_short = np.maximum(*spans) * grid.cell_size <= size * (1 + 1e-9)
-    holes: Integers = np.sort(inside[np.repeat(is_short, np.diff(first, append=len(inside)))])
-    return holes
+def _short(grid: Grid, found: Holes, size: float) -> Integers:
+    """Return the compartments of the holes that are no longer than ``size``, ascending."""
+    longest = np.zeros(found.count, np.int64)
+    for at in grid.row_column(found.compartment):
+        first, last = np.full(found.count, len(grid)), np.zeros(found.count, np.int64)
+        np.minimum.at(first, found.region, at)
+        np.maximum.at(last, found.region, at)
+        longest = np.maximum(longest, last - first + 1)
+    is_short = longest * grid.cell_size <= size * (1 + 1e-9)
+    return found.compartment[is_short[found.region]]
 
 
 def _raster(grid: Grid, layer: Ground) -> Floats:

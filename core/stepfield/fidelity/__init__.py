@@ -5,13 +5,13 @@ from stepfield.fidelity.figures import Distances, Fidelity
 from stepfield.fidelity.filled import FilledFigures, filled_figures, result_filled_figures, with_truth
 from stepfield.fidelity.gaps import Gaps, near_gaps
 from stepfield.fidelity.hidden import Hidden
-from stepfield.fidelity.holes import Holes, holes
 from stepfield.fidelity.layers import LayerFigures, layer_figures
 from stepfield.fidelity.measure import Measured, measure
 from stepfield.fidelity.reconstructions import Way, layers_of, surface_of
 from stepfield.fidelity.surface import Surface
 from stepfield.fidelity.true_mesh import true_mesh
 from stepfield.fidelity.truth import TruthFidelity, against_truth, result_against_truth
+from stepfield.holes import Holes, holes
 
 __all__ = [
     "Comparison",

@@ -10,12 +10,12 @@ import numpy as np
 
 from stepfield.fidelity.figures import Distances
 from stepfield.fidelity.hidden import Hidden, hidden_errors
-from stepfield.fidelity.holes import holes
 from stepfield.fidelity.measure import measure
 from stepfield.fidelity.reconstructions import Bottoms, Layers, bottoms_of, layers_of
 from stepfield.fidelity.surface import Surface
 from stepfield.filling import Filled, Ground, Method
 from stepfield.grid import Grid
+from stepfield.holes import holes
 from stepfield.reconstruction import Reconstruction
 
 

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepfield.fidelity.holes import Holes
 from stepfield.fidelity.patches import patches_like
 from stepfield.filling import Filled, Ground, Method, elevations_in, fitting
 from stepfield.grid import Grid
+from stepfield.holes import Holes
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

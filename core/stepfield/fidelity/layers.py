@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
-from stepfield.fidelity.holes import holes
 from stepfield.fidelity.reconstructions import Layers
 from stepfield.grid import Grid
+from stepfield.holes import holes
 from stepfield.surface import losses
 
 

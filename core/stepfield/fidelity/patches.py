@@ -7,8 +7,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from stepfield.fidelity.holes import Holes
 from stepfield.grid import Grid
+from stepfield.holes import Holes
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
