@@ -92,9 +92,8 @@ def whole(ties: Ties, gentle: Ties, layer: Integers, layers: int, size: Integers
     here = sheets.own(layer)
     there = np.where(heard, voted, here)
     best = drawn(here)
-    if np.array_equal(there, here):  # as where surfaces are plain
-        return best
-    best = min(best, drawn(there), key=attrgetter("cost"))
+    if not np.array_equal(there, here):  # as they are where surfaces are plain
+        best = min(best, drawn(there), key=attrgetter("cost"))
     for large in sheets.larger_than(size.sum() / LARGE):
         own = best.own.layer
         other = np.where(sheets.number == large, np.where(own == here, there, here), own)
