@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from PySide6.QtGui import QCloseEvent
@@ -75,14 +76,11 @@ class MainWindow(Frame):
 
     def _fill(self) -> Iterator[None]:
         """Make all that the frame lacks; each piece takes less than an eye notices."""
-        from stepfield_app import commands
-        from stepfield_app.commands.filing import Filing
-        from stepfield_app.workbench import Workbench
-
+        commands, filing, workbench = _load()
         with self._as_painted():
-            self.bench = Workbench(self)
+            self.bench = workbench.Workbench(self)
             yield from self.bench.fill()
-            self.filing = Filing(self.bench)
+            self.filing = filing.Filing(self.bench)
             self.commands = commands.make(self.bench, self.filing)
             yield
             self._connect()
@@ -173,8 +171,9 @@ class MainWindow(Frame):
         super().closeEvent(event)
 
 
-def _load() -> None:
+def _load() -> tuple[ModuleType, ModuleType, ModuleType]:
     """Import what fills the window: it takes longer than all before the first paint."""
     from stepfield_app import commands, workbench
+    from stepfield_app.commands import filing
 
-    assert commands, workbench
+    return commands, filing, workbench
