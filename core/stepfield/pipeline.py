@@ -99,9 +99,7 @@ class Pipeline:
         """
         scan = self._scan(scans, parameters, part(progress, 0, 0.5))
         parameters = self._resolved(scan, parameters, part(progress, 0.5, 0.55))
-        points, share = scan, 1.0
-        if most_points is not None and most_points < len(scan.made):
-            points, share = self._fewer(scan, most_points), most_points / len(scan.made)
+        points, share = self._drawn(scan, most_points)
         field = self._step_field(points, parameters, share, part(progress, 0.55, 0.85))
         progress(0.85, "classifying pillars")
         automatic = self._classified(field, parameters, share)
@@ -166,9 +164,12 @@ class Pipeline:
         cleaning = (parameters.crop, parameters.classes, parameters.outliers)
         return self._once("scan", raw, cleaning, lambda: cleaned(raw.made, parameters, progress))
 
-    def _fewer(self, scan: Stage[Scan], most_points: int) -> Stage[Scan]:
-        """Choose the points of a preview."""
-        return self._once(PREVIEW + "scan", scan, (most_points,), lambda: scan.made.thinned(most_points))
+    def _drawn(self, scan: Stage[Scan], most_points: int | None) -> tuple[Stage[Scan], float]:
+        """Choose the points of a preview, if it is to be one; return which share of all they are."""
+        if most_points is None or most_points >= len(scan.made):
+            return scan, 1.0
+        fewer = self._once(PREVIEW + "scan", scan, (most_points,), lambda: scan.made.thinned(most_points))
+        return fewer, most_points / len(scan.made)
 
     def _resolved(self, scan: Stage[Scan], parameters: Parameters, progress: Progress) -> Parameters:
         """Replace every ``auto`` that is a number by the one picked from the scan."""
