@@ -15,6 +15,17 @@ from numpy.typing import NDArray
 
 #: Points of the large cloud; fewer for a quick look.
 POINTS = int(float(os.environ.get("STEPFIELD_BENCHMARK_POINTS", "1e7")))
+#: Real scans, and what SURFACES.md calls them.
+REAL = {
+    "data__room_scan1.pcd": "room_scan1",
+    "3dfier__ahn3_cropped_2.laz": "ahn3_cropped_2",
+    "pye57__pumpAVisualReferenceImage.e57": "pump",
+    "ign-pdal-tools__test_data_77050_627755_LA93_IGN69.laz": "IGN tile 77050",
+    "ign-pdal-tools__test_data_77060_627755_LA93_IGN69.laz": "IGN tile 77060",
+    "ign-pdal-tools__sample_lareunion_epsg2975.laz": "La Réunion, slope",
+    "ign-pdal-tools__test_semis_2023_0292_6833_LA93_IGN69.laz": "IGN 1 km tile",
+    "CSF__sample.ply": "CSF hills",
+}
 
 
 def seconds(work: Callable[[], object], runs: int = 3) -> float:
@@ -55,6 +66,14 @@ def table() -> Iterator[Table]:
     table = Table()
     yield table
     print(table.text())  # noqa: T201 - printing is what a benchmark is for
+
+
+@pytest.fixture(scope="module")
+def lines(request: pytest.FixtureRequest) -> Iterator[list[str]]:
+    """Collect the rows of a module's table and print them under its head at the end."""
+    collected: list[str] = []
+    yield collected
+    print("\n".join(["", request.module.HEAD, *collected]))  # noqa: T201 - printing is what a benchmark is for
 
 
 @pytest.fixture(scope="session")

@@ -11,7 +11,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from tests.benchmarks.conftest import Table, seconds
+from tests.benchmarks.conftest import REAL, Table, seconds
 
 from stepfield.fidelity import Hidden, Surface, filled_figures, measure, result_filled_figures, true_mesh
 from stepfield.filling import Ground, Method, fill
@@ -24,17 +24,6 @@ from stepfield.synth import synthesise
 
 #: Scenes of whose surfaces a scanner leaves enough unseen.
 SCENES = ("table", "stairs", "cylinder", "bridge", "ramp", "rubble")
-#: Real scans, and what SURFACES.md calls them.
-REAL = {
-    "data__room_scan1.pcd": "room_scan1",
-    "3dfier__ahn3_cropped_2.laz": "ahn3_cropped_2",
-    "pye57__pumpAVisualReferenceImage.e57": "pump",
-    "ign-pdal-tools__test_data_77050_627755_LA93_IGN69.laz": "IGN tile 77050",
-    "ign-pdal-tools__test_data_77060_627755_LA93_IGN69.laz": "IGN tile 77060",
-    "ign-pdal-tools__sample_lareunion_epsg2975.laz": "La Réunion, slope",
-    "ign-pdal-tools__test_semis_2023_0292_6833_LA93_IGN69.laz": "IGN 1 km tile",
-    "CSF__sample.ply": "CSF hills",
-}
 METHODS: tuple[Method, ...] = get_args(Method)
 #: Longest sides of the holes that are filled, compartments.
 SIZES = (5, 20)
@@ -44,14 +33,6 @@ HEAD = (
 )
 #: Side of the layer that is timed, compartments.
 SIDE = 1000
-
-
-@pytest.fixture(scope="module")
-def lines() -> Iterator[list[str]]:
-    """Collect the rows and print them at the end."""
-    collected: list[str] = []
-    yield collected
-    print("\n".join(["", HEAD, *collected]))  # noqa: T201 - printing is what a benchmark is for
 
 
 @pytest.mark.parametrize("name", SCENES)

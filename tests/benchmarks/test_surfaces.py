@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from tests.benchmarks.conftest import REAL
 
 from stepfield.fidelity import Way, compare_result, layer_figures, layers_of
 from stepfield.layers import Method, classify
@@ -22,30 +23,12 @@ from stepfield.synth import synthesise
 
 #: The paper's figures 3 to 6 and the others that have a known answer.
 SCENES = ("three-planes", "inclined-plane", "crossing-plane", "cylinder", "table", "bridge", "stairs", "ramp")
-REAL = (
-    "data__room_scan1.pcd",
-    "3dfier__ahn3_cropped_2.laz",
-    "pye57__pumpAVisualReferenceImage.e57",
-    "ign-pdal-tools__test_data_77050_627755_LA93_IGN69.laz",
-    "ign-pdal-tools__test_data_77060_627755_LA93_IGN69.laz",
-    "ign-pdal-tools__sample_lareunion_epsg2975.laz",
-    "ign-pdal-tools__test_semis_2023_0292_6833_LA93_IGN69.laz",
-    "CSF__sample.ply",
-)
 METHODS: tuple[Method, ...] = ("rank", "elevation", "surface")
 WAYS: tuple[Way, Way] = ("simulator", "edges")
 HEAD = (
     "| scan | layering | layers | seams | RMSE, cm: simulator, edges | 95 % within, cm | lost by simulator "
     "| surfaces lost | s |\n|---|---|---|---|---|---|---|---|---|"
 )
-
-
-@pytest.fixture(scope="module")
-def lines() -> Iterator[list[str]]:
-    """Collect the rows and print them at the end."""
-    collected: list[str] = []
-    yield collected
-    print("\n".join(["", HEAD, *collected]))  # noqa: T201 - printing is what a benchmark is for
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -65,7 +48,7 @@ def test_rubble(lines: list[str], tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", REAL)
 def test_real(name: str, lines: list[str], real_scan: Callable[[str], Path]) -> None:
-    lines += rows(name.rpartition("__")[2], real_scan(name), Parameters())
+    lines += rows(REAL[name], real_scan(name), Parameters())
 
 
 def rows(name: str, path: Path, parameters: Parameters) -> Iterator[str]:
